@@ -5,7 +5,7 @@ A file is found by its name, or else by the expression, which no other file has;
 
 FILMS = "driftform-calibration/tests/test_calibrate_command.py"
 
-CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
+CHOSEN = (
     # A body and its mass.
     ("mass.py", "* density + core.mass * core.cog\n", "* density\n", ("tests/agent",)),
     ("mass.py", "core.mass * core.cog**2 - mass * cog**2", "-mass * cog**2", ("tests/agent",)),

@@ -28,12 +28,9 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib.machinery import ModuleSpec, SourceFileLoader
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 ROOT = Path(__file__).parents[1]
 
@@ -71,12 +68,12 @@ class Target:
     marks: str = MARKS
 
     @property
-    def name(self) -> str:
+    def name(self):
         """Name by which ``--only`` selects it."""
         return Path(self.path).stem
 
     @property
-    def module(self) -> str:
+    def module(self):
         """Name of the module."""
         return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
 
@@ -129,14 +126,14 @@ class Mutant:
 
 # The changes.
 
-_SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+_SWAPS = {
     **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult},
     **{ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq},
 }
 _DIMENSIONLESS_KEYWORDS = {"axis", "keepdims", "maxsize", "copy", "dtype", "strict"}
 
 
-def change_node(node: ast.AST) -> Iterator[ast.AST]:
+def change_node(node):
     """Generate what may take the place of one node of the syntax tree."""
     match node:
         case ast.BinOp(left, op, right) if type(op) in _SWAPS:
@@ -156,7 +153,7 @@ def change_node(node: ast.AST) -> Iterator[ast.AST]:
             yield ast.Constant(float(f"{1.1 * value:.6g}") or 1.0)
 
 
-def list_places(tree: ast.AST, scope: str = "") -> Iterator[tuple[ast.AST, str, Any, str]]:
+def list_places(tree, scope=""):
     """Generate the fields of the syntax tree that hold a formula's nodes: parent, field, index in it or None, function."""
     for field, value in ast.iter_fields(tree):
         if field in ("annotation", "returns", "decorator_list", "slice", "exc", "msg"):
@@ -173,7 +170,7 @@ def list_places(tree: ast.AST, scope: str = "") -> Iterator[tuple[ast.AST, str, 
             yield from list_places(child, inner)
 
 
-def list_mutants(target: Target) -> list[Mutant]:
+def list_mutants(target):
     """Return all mutants of a file."""
     tree = ast.parse((ROOT / target.path).read_text(encoding="utf-8"))
     found = []
@@ -191,14 +188,14 @@ def list_mutants(target: Target) -> list[Mutant]:
     return found
 
 
-def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
+def _put(parent, field, index, node):
     if index is None:
         setattr(parent, field, node)
     else:
         getattr(parent, field)[index] = node
 
 
-def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mutant]:
+def sample_mutants(targets, count, seed):
     """Return ``count`` mutants that are not known to be equivalent, the same number of each file while it has any."""
     rng = random.Random(seed)
     pools = []
@@ -206,7 +203,7 @@ def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mut
         found = list_mutants(target)
         rng.shuffle(found)
         pools.append([mutant for mutant in found if mutant.label not in EQUIVALENT])
-    chosen: list[Mutant] = []
+    chosen = []
     while len(chosen) < count and any(pools):
         for pool in pools:
             if pool and len(chosen) < count:
@@ -214,7 +211,7 @@ def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mut
     return chosen
 
 
-def list_chosen() -> list[Mutant]:
+def list_chosen():
     """Return the mutants of ``tests/mutants.py``. Raises LookupError if an expression or a test is not there any more."""
     from mutants import CHOSEN
 
@@ -223,7 +220,7 @@ def list_chosen() -> list[Mutant]:
     kept = [path for path in files if "tests" not in path.relative_to(ROOT).parts]
     sources = {path: path.read_text(encoding="utf-8") for path in kept}
 
-    def find_test(ending: str) -> str:
+    def find_test(ending):
         for path in (ROOT / ending, *files):
             if path.exists() and f"{path}".endswith(f"/{ending}"):
                 return path.relative_to(ROOT).as_posix()
@@ -248,15 +245,15 @@ def list_chosen() -> list[Mutant]:
 class _Loader(SourceFileLoader):
     """Loads a module from another source; its file stays the same, because data lie beside it."""
 
-    def __init__(self, name: str, path: str, source: str) -> None:
+    def __init__(self, name, path, source):
         super().__init__(name, path)
         self.source = source
 
-    def get_data(self, path: str) -> bytes:
+    def get_data(self, path):
         """Return the source."""
         return self.source.encode()
 
-    def path_stats(self, path: str) -> Any:
+    def path_stats(self, path):
         """Raise OSError: the bytecode on the disk is that of the unchanged file."""
         raise OSError
 
@@ -264,10 +261,10 @@ class _Loader(SourceFileLoader):
 class _Replacement(importlib.abc.MetaPathFinder):
     """Import one module from another source."""
 
-    def __init__(self, target: Target, source: str) -> None:
+    def __init__(self, target, source):
         self.target, self.source = target, source
 
-    def find_spec(self, name: str, path: object = None, target: ModuleType | None = None) -> ModuleSpec | None:
+    def find_spec(self, name, path=None, target=None):
         """Return how the module is loaded."""
         if name != self.target.module:
             return None
@@ -275,25 +272,25 @@ class _Replacement(importlib.abc.MetaPathFinder):
         return importlib.util.spec_from_file_location(name, file, loader=_Loader(name, file, self.source))
 
 
-def prepare_parent() -> None:
+def prepare_parent():
     """Import what all children need, without any file that is changed."""
     for name in PACKAGES:
         importlib.import_module(name)
 
 
-def keep_python() -> None:
+def keep_python():
     """Let kernels stay plain Python."""
     import numpy as np
 
     compiled = importlib.import_module("driftform.util.compiled")
 
-    def keep(function: Any) -> Any:
+    def keep(function):
         return function
 
-    def borrow_as(dtype: Any = None) -> Any:
+    def borrow_as(dtype=None):
         number = np.dtype(np.float64 if dtype is None else dtype)
 
-        def borrow(array: Any, start: int, shape: tuple[int, ...]) -> Any:
+        def borrow(array, start, shape):
             size = math.prod(shape) * number.itemsize // array.itemsize
             view = array.reshape(-1)[start : start + size].view(number).reshape(shape)
             return view.view(np.recarray) if number.names else view
@@ -311,7 +308,7 @@ def keep_python() -> None:
         setattr(fields, name, np.dtype((np.record, getattr(fields, name))))
 
 
-def start(target: Target, source: str | None, folder: Path, number: int, limit: float) -> int:
+def start(target, source, folder, number, limit):
     """Run the tests of a file in a child, with another source of it; return the child's process number."""
     log = folder / f"{number}.txt"
     pid = os.fork()
@@ -337,9 +334,7 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
         os._exit(code)
 
 
-def run_all(
-    jobs: Sequence[tuple[Target, str | None, float]], processes: int, folder: Path
-) -> Iterator[tuple[int, int, float]]:
+def run_all(jobs, processes, folder):
     """Generate the number of each job, its exit code, negative after a signal, and its CPU time (s), as they end."""
     waiting, running = list(enumerate(jobs)), {}
     while waiting or running:
@@ -350,7 +345,7 @@ def run_all(
         yield running.pop(pid), os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime
 
 
-def main() -> int:
+def main():
     """Run mutants and print those that live."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--only", help="name of one file, without .py")

@@ -7,9 +7,7 @@ import re
 import subprocess
 import sys
 from base64 import b64decode
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -17,7 +15,6 @@ import pytest
 from typer.testing import CliRunner
 
 import driftform as df
-from driftform.api import Run
 from driftform.cli.app import app
 from driftform.errors import InputError
 from driftform.runs.agent_file import StoredAgent
@@ -27,42 +24,42 @@ from driftform.types import Evaluation
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 
-def small(**run: int) -> Study:
+def small(**run):
     return df.load_study(
         "paper", targets=["TP3", "TP7"], use={"simulator": "native"}, run={"seed": 1, "evaluations": 20, **run}
     )
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def run(tmp_path_factory):
     return df.evolve(small(), tmp_path_factory.mktemp("api") / "run", progress=False)
 
 
-def pictures(html: str) -> list[ET.Element]:
+def pictures(html):
     found = re.findall(r"data:image/svg\+xml;base64,([A-Za-z0-9+/=]+)", html)
     return [ET.fromstring(b64decode(data)) for data in found]
 
 
-def cells(html: str) -> list[list[str]]:
+def cells(html):
     """The rows of all tables of a piece of HTML, which must be well formed."""
     body = re.sub(r"<img [^>]*>", "", html)
     return [["".join(td.itertext()) for td in tr] for tr in ET.fromstring(f"<div>{body}</div>").iter("tr")]
 
 
-def test_the_package_offers_what_it_names_and_nothing_else() -> None:
+def test_the_package_offers_what_it_names_and_nothing_else():
     assert {"open_agent", "evolve", "load_study", "open_run"} <= set(dir(df))
     assert all(getattr(df, name) is not None for name in df.__all__)
     with pytest.raises(AttributeError, match="evolv"):
         df.evolv  # noqa: B018
 
 
-def test_a_name_is_imported_when_it_is_asked_for_and_not_before() -> None:
+def test_a_name_is_imported_when_it_is_asked_for_and_not_before():
     code = "import sys, driftform as df; a = 'numpy' in sys.modules; df.open_agent; print(a, 'numpy' in sys.modules)"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.split() == ["False", "True"]
 
 
-def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path) -> None:
+def test_evolve_leaves_the_run_that_the_command_leaves(run, tmp_path):
     words = ["--target", "TP3", "--target", "TP7", "--simulator", "native", "--evaluations", "20"]
     result = CliRunner().invoke(
         app, ["evolve", "paper", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
@@ -76,23 +73,23 @@ def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path)
     assert {n for n in names if "run.db-" not in n} == {n for n in theirs_names if "run.db-" not in n}
 
 
-def test_a_finished_run_is_returned_without_flying(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_run_is_returned_without_flying(run, monkeypatch):
     from driftform.pipeline import Pipeline
 
-    def refuse(*_: object) -> None:
+    def refuse(*_):
         raise AssertionError("flown again")
 
     monkeypatch.setattr(Pipeline, "evaluate", refuse)
     assert df.evolve(small(), run.path, progress=False).best() == run.best()
 
 
-def test_an_interrupted_run_goes_on_to_the_same_end(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_run_goes_on_to_the_same_end(run, tmp_path, monkeypatch):
     from driftform.pipeline import Pipeline
 
-    evaluate: Callable[..., object] = Pipeline.evaluate
+    evaluate = Pipeline.evaluate
     calls = 0
 
-    def stop_at_the_third(*args: object, **kwargs: object) -> object:
+    def stop_at_the_third(*args, **kwargs):
         nonlocal calls
         calls += 1
         if calls == 3:
@@ -107,8 +104,8 @@ def test_an_interrupted_run_goes_on_to_the_same_end(run: Run, tmp_path: Path, mo
     assert df.evolve(small(), tmp_path / "run", progress=False).best() == run.best()
 
 
-def test_a_function_is_called_with_what_the_strategy_is_told(tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
+def test_a_function_is_called_with_what_the_strategy_is_told(tmp_path):
+    told = []
     study = df.load_study("paper", use={"simulator": "native"}, run={"seed": 1, "evaluations": 7, "robust": 0})
     run = df.evolve(
         study, tmp_path / "run", progress=False, on_batch=lambda first, found: told.append((first, len(found)))
@@ -118,7 +115,7 @@ def test_a_function_is_called_with_what_the_strategy_is_told(tmp_path: Path) -> 
     assert study.scenario.robustness.conditions == 0 and run["TP1"].result["p90"] is None
 
 
-def test_values_are_equal_by_their_content_after_pickle_and_copy(run: Run) -> None:
+def test_values_are_equal_by_their_content_after_pickle_and_copy(run):
     best = run["TP3"]
     for value in (run.study, run.study.make_pipeline(), best, best.agent, best.simulate()):
         again = pickle.loads(pickle.dumps(value))
@@ -130,32 +127,32 @@ def test_values_are_equal_by_their_content_after_pickle_and_copy(run: Run) -> No
     assert moved != best.agent
 
 
-def test_values_show_themselves_in_one_line(run: Run) -> None:
+def test_values_show_themselves_in_one_line(run):
     flight = run["TP3"].simulate()
     found = Evaluation.failed(run["TP3"].stored.genome, 3, "it sank")
     for value in (flight.agent, flight.agent.coefficients, flight.trajectory, found):
         assert re.fullmatch(r"<\w+.{10,90}>", repr(value))
 
 
-def test_progress_goes_to_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_goes_to_stderr(tmp_path, capsys):
     df.evolve(small(evaluations=2), tmp_path / "run")
     out, err = capsys.readouterr()
     assert out == "" and "2/2 evaluations" in err
 
 
-def test_another_study_is_kept_out_of_a_run(run: Run) -> None:
+def test_another_study_is_kept_out_of_a_run(run):
     with pytest.raises(InputError, match="holds a run with other settings"):
         df.evolve(small(seed=2), run.path, progress=False)
 
 
 @pytest.mark.parametrize("workers", [0, -1])
-def test_no_workers_are_refused(workers: int, tmp_path: Path) -> None:
+def test_no_workers_are_refused(workers, tmp_path):
     with pytest.raises(InputError, match=f"workers = {workers}"):
         df.evolve(small(), tmp_path / "run", workers=workers)
     assert not (tmp_path / "run").exists()
 
 
-def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_flight(tmp_path: Path) -> None:
+def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_flight(tmp_path):
     study = tmp_path / "aside.toml"
     study.write_text(
         'base = "pipe-inspection"\n[simulator]\nuse = "native"\n[robustness]\nconditions = 0\n[run]\nseed = 1\nevaluations = 1\n[targets]\nA = [4, 0.3, 0.2]\n'
@@ -169,13 +166,13 @@ def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_fli
     assert caught[0].filename == __file__
 
 
-def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path) -> None:
+def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path):
     from driftform.errors import WorkFailedError
 
     class Broken:
         suffix = ".x"
 
-        def write(self, *_: object) -> None:
+        def write(self, *_):
             raise WorkFailedError("no such shape")
 
     with pytest.MonkeyPatch.context() as patch:
@@ -186,7 +183,7 @@ def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path
 
 
 @pytest.mark.long
-def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> None:
+def test_a_script_needs_no_guard_for_its_workers(run, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import driftform as df\n"
@@ -202,7 +199,7 @@ def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> No
     assert done.stdout.splitlines() == [str(run.best()), str(script)]
 
 
-def test_a_run_is_a_mapping_of_targets(run: Run) -> None:
+def test_a_run_is_a_mapping_of_targets(run):
     assert list(run) == ["TP3", "TP7"] and len(run) == 2
     assert "TP3" in run and "TP9" not in run and run.get("TP9") is None
     with pytest.raises(KeyError) as told:
@@ -211,7 +208,7 @@ def test_a_run_is_a_mapping_of_targets(run: Run) -> None:
     assert str(told.value).endswith("has no target 'TP33'; did you mean 'TP3'?")
 
 
-def test_the_best_is_the_largest_fitness_of_the_table(run: Run) -> None:
+def test_the_best_is_the_largest_fitness_of_the_table(run):
     columns = run.evaluations()
     assert {len(values) for values in columns.values()} == {20}
     for target, found in run.best().items():
@@ -220,7 +217,7 @@ def test_the_best_is_the_largest_fitness_of_the_table(run: Run) -> None:
         assert run[target].genome == columns["genome"][found["evaluation"]]
 
 
-def test_an_agent_flies_again_as_in_its_run(run: Run) -> None:
+def test_an_agent_flies_again_as_in_its_run(run):
     best = run["TP7"]
     flight = best.simulate()
     assert flight.fitness["TP7"] == pytest.approx(best.result["fitness"], abs=1e-9)
@@ -230,7 +227,7 @@ def test_an_agent_flies_again_as_in_its_run(run: Run) -> None:
     assert str(flight.end) in repr(flight)
 
 
-def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
+def test_a_flight_as_columns_is_its_trajectory(run):
     flight = run["TP3"].simulate()
     columns = flight.columns()
     path = np.column_stack([columns[axis] for axis in "xyz"])
@@ -238,7 +235,7 @@ def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
     assert np.array_equal(columns["t"], flight.trajectory.t)
 
 
-def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
+def test_other_surroundings_add_up_and_leave_the_agent_as_it_is():
     agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
     assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
@@ -248,7 +245,7 @@ def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
     assert other.net_buoyancy == pytest.approx(agent.net_buoyancy + lift)
 
 
-def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) -> None:
+def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path):
     agent = df.open_agent(WORD, scenario="paper").under("fluid.density=1025")
     [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
     import json
@@ -258,7 +255,7 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
     assert document["environment"]["fluid"]["density"] == 1025
 
 
-def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warning(tmp_path: Path) -> None:
+def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warning(tmp_path):
     agent = df.open_agent(WORD, scenario="pipe-inspection", use={"simulator": "native"})
     with pytest.warns(UserWarning, match=r"simulated as a kit, whose parts weigh \d+\.\d\d g; export design\.under"):
         [sealed] = agent.export("stl", tmp_path / "sealed.stl")
@@ -268,7 +265,7 @@ def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warnin
     agent.export("svg", tmp_path / "drawing.svg")
 
 
-def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
+def test_an_unknown_setting_or_format_is_told_in_one_line():
     agent = df.open_agent(WORD, scenario="paper")
     with pytest.raises(InputError, match="did you mean 'speed'"):
         agent.under("flow.sped=1")
@@ -276,7 +273,7 @@ def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
         agent.export("stll")
 
 
-def test_facts_are_those_that_inspect_tells() -> None:
+def test_facts_are_those_that_inspect_tells():
     agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
     facts = agent.inspect()
     assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
@@ -285,7 +282,7 @@ def test_facts_are_those_that_inspect_tells() -> None:
     assert len(facts["modules"]) == 3 and "3 modules" in repr(agent)
 
 
-def test_an_agent_shows_its_section(run: Run) -> None:
+def test_an_agent_shows_its_section(run):
     best = run["TP3"]
     [drawing] = pictures(best._repr_html_())
     assert drawing.tag.endswith("svg")
@@ -293,7 +290,7 @@ def test_an_agent_shows_its_section(run: Run) -> None:
     assert any(best.name in text for text in drawing.itertext())
 
 
-def test_a_run_shows_its_overview_and_its_targets(run: Run) -> None:
+def test_a_run_shows_its_overview_and_its_targets(run):
     html = run._repr_html_()
     assert len(pictures(html)) == 1
     header, *rows = cells(html)
@@ -302,26 +299,26 @@ def test_a_run_shows_its_overview_and_its_targets(run: Run) -> None:
         assert float(row[2]) == pytest.approx(run.best()[row[0]]["fitness"], abs=1e-3)
 
 
-def test_a_flight_shows_its_path_and_what_it_scores(run: Run) -> None:
+def test_a_flight_shows_its_path_and_what_it_scores(run):
     flight = run["TP3"].simulate()
     html = flight._repr_html_()
     assert len(pictures(html)) == 1
     assert [row[0] for row in cells(html)[1:]] == ["TP3", "TP7"]
 
 
-def test_a_study_shows_its_plugins_and_targets_and_fits_a_line() -> None:
+def test_a_study_shows_its_plugins_and_targets_and_fits_a_line():
     study = small()
     rows = cells(study._repr_html_())
     assert ["simulator", "native"] in rows and ["TP3", "3", "0", "-0.7"] in rows
     assert "\n" not in repr(study) and len(repr(study)) < 120 and "seed 1" in repr(study)
 
 
-def test_names_of_others_are_text_in_html() -> None:
+def test_names_of_others_are_text_in_html():
     study = df.load_study("paper", ['title="<script>alert(1)</script>"'], run={"seed": 1})
     assert "<script>" not in study._repr_html_()
 
 
-def test_a_neutral_sphere_is_an_agent_by_its_diameter() -> None:
+def test_a_neutral_sphere_is_an_agent_by_its_diameter():
     """Flights in changed water are those of the same sphere, which the port of the scenario has to let through."""
     design = df.open_agent("sphere:40mm")
     assert design.max_diameter == pytest.approx(0.04) and design.net_buoyancy == pytest.approx(0, abs=1e-6)

@@ -15,12 +15,12 @@ from driftform.errors import DriftformError, InputError, describe_error
         (DriftformError(), "DriftformError"),
     ],
 )
-def test_an_error_is_described_in_one_line(error: Exception, line: str) -> None:
+def test_an_error_is_described_in_one_line(error, line):
     assert describe_error(error) == line
 
 
-def test_the_place_is_the_function_and_line_that_raised_the_error() -> None:
-    def divide() -> float:
+def test_the_place_is_the_function_and_line_that_raised_the_error():
+    def divide():
         return 1 / 0
 
     with pytest.raises(ZeroDivisionError) as caught:
@@ -31,10 +31,10 @@ def test_the_place_is_the_function_and_line_that_raised_the_error() -> None:
     )
 
 
-def test_an_error_that_was_never_raised_has_no_place() -> None:
+def test_an_error_that_was_never_raised_has_no_place():
     assert describe_error(ValueError("x"), with_place=True) == "ValueError: x"
 
 
-def test_a_notebook_shows_one_line_for_each_fault() -> None:
+def test_a_notebook_shows_one_line_for_each_fault():
     error = InputError("a.toml:1: first", "a.toml:2: \x1b[2Jsecond")
     assert error._render_traceback_() == ["InputError: a.toml:1: first", "InputError: a.toml:2: \\x1b[2Jsecond"]

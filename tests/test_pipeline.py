@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Measure
-from driftform.pipeline import MARGIN, Pipeline
+from driftform.pipeline import MARGIN
 from driftform.study import load_study
 
 NOWHERE, ANYWHERE = (np.inf,) * 10, (-np.inf,) * 10
 
 
 @pytest.fixture(scope="module")
-def pipeline() -> Pipeline:
+def pipeline():
     return load_study("paper", use={"simulator": "native"}).make_pipeline()
 
 
@@ -29,11 +29,11 @@ def checked(pipeline, genomes):
     return pipeline.evaluate(genomes)
 
 
-def test_without_a_threshold_every_flight_is_checked(checked) -> None:
+def test_without_a_threshold_every_flight_is_checked(checked):
     assert all(evaluation.trajectory.error <= 1e-3 for evaluation in checked)
 
 
-def test_below_its_threshold_a_flight_is_unchecked_and_nearly_the_same(pipeline, genomes, checked) -> None:
+def test_below_its_threshold_a_flight_is_unchecked_and_nearly_the_same(pipeline, genomes, checked):
     screened = pipeline.evaluate(genomes, thresholds=[NOWHERE] * len(genomes))
     assert [evaluation.trajectory.error for evaluation in screened] == [None] * len(genomes)
     assert [evaluation.failure for evaluation in screened] == [None] * len(genomes)
@@ -41,7 +41,7 @@ def test_below_its_threshold_a_flight_is_unchecked_and_nearly_the_same(pipeline,
     assert 0 < np.median(np.abs(difference)) < 0.01
 
 
-def test_above_its_threshold_a_flight_is_checked_to_the_last_digit(pipeline, genomes, checked) -> None:
+def test_above_its_threshold_a_flight_is_checked_to_the_last_digit(pipeline, genomes, checked):
     thresholds = [ANYWHERE, NOWHERE, None] * 2
     mixed = pipeline.evaluate(genomes, thresholds=thresholds)
     for threshold, evaluation, expected in zip(thresholds, mixed, checked, strict=True):
@@ -54,16 +54,14 @@ def test_above_its_threshold_a_flight_is_checked_to_the_last_digit(pipeline, gen
 
 
 @pytest.mark.parametrize(("below", "is_checked"), [(0.9 * MARGIN, True), (1.1 * MARGIN, False)])
-def test_one_target_within_the_margin_below_its_threshold_is_enough(
-    pipeline, genomes, below: float, is_checked: bool
-) -> None:
+def test_one_target_within_the_margin_below_its_threshold_is_enough(pipeline, genomes, below, is_checked):
     [screened] = pipeline.evaluate(genomes[:1], thresholds=[NOWHERE])
     threshold = (*NOWHERE[:-1], float(screened.fitness[-1]) + below)
     [evaluation] = pipeline.evaluate(genomes[:1], thresholds=[threshold])
     assert (evaluation.trajectory.error is not None) is is_checked
 
 
-def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> None:
+def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes):
     options = pipeline.simulator.options.model_copy(update={"step_limit": 20})
     short = replace(pipeline, simulator=type(pipeline.simulator)(options))
     [screened], [expected] = (short.evaluate(genomes[:1], thresholds=[threshold]) for threshold in (NOWHERE, None))
@@ -71,7 +69,7 @@ def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> No
     assert screened.trajectory.error == expected.trajectory.error
 
 
-def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, genomes, monkeypatch) -> None:
+def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, genomes, monkeypatch):
     def score(trajectory, scenario, agent):
         raise ArithmeticError("no score")
 
@@ -81,14 +79,14 @@ def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, geno
     assert "no score" in screened.failure
 
 
-def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(pipeline, genomes) -> None:
+def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(pipeline, genomes):
     made = pipeline.make_agent(genomes[0])
     sent = pickle.loads(pickle.dumps(pipeline))
     np.testing.assert_array_equal(sent.make_agent(genomes[0]).mass.inertia, made.mass.inertia)
     np.testing.assert_array_equal(sent.make_agent(genomes[0]).coefficients.added_mass, made.coefficients.added_mass)
 
 
-def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(pipeline, genomes, monkeypatch) -> None:
+def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(pipeline, genomes, monkeypatch):
     monkeypatch.setattr(pipeline.fitness, "measures", {"height": Measure("at the end", "m", -1, 1)}, raising=False)
     monkeypatch.setattr(pipeline.fitness, "find_measures", lambda t, *_: {"height": t.position[-1, 2]}, raising=False)
     [found] = pipeline.evaluate(genomes[:1])
@@ -108,7 +106,7 @@ def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(p
     assert "expected the measures height" in pipeline.evaluate(genomes[:1])[0].failure
 
 
-def test_a_body_that_is_too_wide_says_by_how_much(pipeline, genomes) -> None:
+def test_a_body_that_is_too_wide_says_by_how_much(pipeline, genomes):
     wide = pipeline.make_agent(genomes[0]).body.max_diameter
     release = pipeline.scenario.release.model_copy(update={"port": wide - 0.002})
     narrow = replace(pipeline, scenario=pipeline.scenario.model_copy(update={"release": release}))

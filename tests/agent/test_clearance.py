@@ -6,14 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.agent.clearance import farthest_from_line, lowest_along
-from driftform.types import FloatArray
 
 unit = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1)
 place = st.tuples(*[st.floats(-0.5, 0.5)] * 3)
 contour = st.lists(st.tuples(st.floats(-0.2, 0.2), st.floats(0, 0.1)), min_size=2, max_size=6)
 
 
-def surface(outer: FloatArray, position: FloatArray, axis: FloatArray, count: int) -> FloatArray:
+def surface(outer, position, axis, count):
     """Return points on the circles of a contour, world frame, m, (n, 3)."""
     aside = np.cross(axis, [1.0, 0, 0] if abs(axis[0]) < 0.8 else [0, 1.0, 0])
     aside /= np.linalg.norm(aside)

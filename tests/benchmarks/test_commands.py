@@ -9,7 +9,6 @@ import shutil
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -30,7 +29,7 @@ BOUNDS = {
 PROGRAM = str(Path(sys.executable).with_name("driftform"))
 
 
-def measure_cpu(*arguments: str) -> float:
+def measure_cpu(*arguments):
     """CPU time of a process and of its workers, from start to end, s."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -39,7 +38,7 @@ def measure_cpu(*arguments: str) -> float:
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
-def test_commands_take_little_more_than_their_imports(count_of: Callable[[str, int], int], tmp_path: Path) -> None:
+def test_commands_take_little_more_than_their_imports(count_of, tmp_path):
     run, again, repeats = tmp_path / "run", tmp_path / "again", count_of("REPEATS", 5)
     evolve = ("evolve", "--seed", "1", "--simulator", "native", "--workers", "2")
     commands = {

@@ -4,8 +4,6 @@ Run by hand: ``pytest -m slow -s tests/benchmarks``. With ``UPDATE_DOCS=1`` the 
 """
 
 import time
-from collections import deque
-from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import chain
 
@@ -14,7 +12,7 @@ import pytest
 
 from driftform.pipeline import MARGIN
 from driftform.runs.store import Store
-from driftform.search.jobs import Job, Outcome
+from driftform.search.jobs import Job
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.study import load_study
@@ -73,11 +71,11 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
 class Recorder:
     """An executor that keeps its jobs, in their order."""
 
-    def __init__(self, executor: InProcess) -> None:
+    def __init__(self, executor):
         self._executor = executor
-        self.jobs: list[Job] = []
+        self.jobs = []
 
-    def evaluate(self, jobs: deque[Job]) -> Iterable[Sequence[Outcome]]:
+    def evaluate(self, jobs):
         # A search adds jobs while others are evaluated: those of now are taken, and it calls again for the others.
         taken = list(jobs)
         jobs.clear()

@@ -17,11 +17,11 @@ PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
 class TestClosestApproach(FitnessContract):
     rewards_closeness = True
 
-    def plugin(self) -> ClosestApproach:
+    def plugin(self):
         return ClosestApproach(Table())
 
 
-def score(trajectory: Trajectory, *targets: tuple[float, float, float], pipe: Pipe = PIPE) -> np.ndarray:
+def score(trajectory, *targets, pipe=PIPE):
     scenario = Scenario(pipe=pipe, targets={f"T{i}": target for i, target in enumerate(targets)})
     return ClosestApproach(Table()).score(trajectory, scenario, sphere_agent(0.01, 0.05))
 

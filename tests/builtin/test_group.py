@@ -16,11 +16,11 @@ AGENT = sphere_agent(0.01, 0.004)
 
 
 class TestGroup(FitnessContract):
-    def plugin(self) -> GroupFitness:
+    def plugin(self):
         return GroupFitness(GroupOptions())
 
 
-def fly(*heights: float) -> Trajectory:
+def fly(*heights):
     """A flight through heights at x = 0, 1, 2, ... 9 m."""
     t = np.arange(len(heights), dtype=float)
     position = np.column_stack([t, np.zeros_like(t), heights])
@@ -31,7 +31,7 @@ def fly(*heights: float) -> Trajectory:
 LEVEL = fly(*[0.5] * 10)
 
 
-def test_all_targets_of_a_group_have_the_fitness_of_the_worst() -> None:
+def test_all_targets_of_a_group_have_the_fitness_of_the_worst():
     each = ClosestApproach(Table()).score(LEVEL, SCENARIO, AGENT)
     found = GroupFitness(GroupOptions()).score(LEVEL, SCENARIO, AGENT)
     assert found.tolist() == [each.min()] * 3
@@ -40,12 +40,12 @@ def test_all_targets_of_a_group_have_the_fitness_of_the_worst() -> None:
     assert apart[0] > 99.9 > apart[2]
 
 
-def test_a_group_that_forgets_a_target_is_refused() -> None:
+def test_a_group_that_forgets_a_target_is_refused():
     with pytest.raises(ValueError, match="must name each of the targets once: A, B, C"):
         GroupFitness(GroupOptions(groups=(("A", "B"),))).score(LEVEL, SCENARIO, AGENT)
 
 
-def test_a_ride_is_as_far_off_the_crown_as_its_lowest_point_between_the_targets() -> None:
+def test_a_ride_is_as_far_off_the_crown_as_its_lowest_point_between_the_targets():
     scenario = SCENARIO.model_copy(update={"targets": {"A": (2.0, 0.0, 0.9), "B": (7.0, 0.0, 0.9)}})
     crown = GroupFitness(GroupOptions(ride="crown"))
     # It touches the crown but for x = 5, where it is .4 m below, a fifth of the bore.

@@ -17,7 +17,7 @@ class TestOutletFitness(FitnessContract):
 
     rewards_closeness = True
 
-    def plugin(self) -> OutletFitness:
+    def plugin(self):
         return OutletFitness(Table())
 
 

@@ -1,7 +1,6 @@
 """Flights as tables: the columns, their numbers, and the readers that people use."""
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,17 +14,17 @@ from driftform.util.options import Table
 
 
 class TestCsv(RecorderContract):
-    def plugin(self) -> CsvRecorder:
+    def plugin(self):
         return CsvRecorder(Table())
 
 
 @pytest.mark.peers
 class TestParquet(RecorderContract):
-    def plugin(self) -> ParquetRecorder:
+    def plugin(self):
         return ParquetRecorder(Table())
 
 
-def test_csv_gives_every_number_back(tmp_path: Path) -> None:
+def test_csv_gives_every_number_back(tmp_path):
     trajectory = drifting_trajectory()
     path = TestCsv().record(tmp_path, trajectory)
     with path.open(newline="") as file:
@@ -39,7 +38,7 @@ def test_csv_gives_every_number_back(tmp_path: Path) -> None:
 
 
 @pytest.mark.peers
-def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
+def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path):
     import pandas
     import polars
 
@@ -49,7 +48,7 @@ def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
     assert np.array_equal(frame.to_numpy(), other.to_numpy())
 
 
-def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
+def test_force_and_torque_are_the_last_columns(tmp_path):
     trajectory, job = drifting_trajectory(), TestCsv().export_job()
     wrench = net_wrench(trajectory, accelerations_along(trajectory, job.agent, job.scenario), job.agent.mass)
     with TestCsv().record(tmp_path, trajectory).open(newline="") as file:
@@ -58,7 +57,7 @@ def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
     assert np.array_equal(np.array(rows[1:], dtype=float)[:, -6:], wrench)
 
 
-def test_without_pyarrow_parquet_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyarrow_parquet_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr("driftform.runs.table_files.find_spec", lambda name: None)
     with pytest.raises(WorkFailedError, match=r"driftform\[parquet\]"):
         TestParquet().record(tmp_path)

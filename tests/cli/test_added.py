@@ -1,18 +1,12 @@
 """Commands that plugins add; the plugins are real ``.dist-info`` directories on the path."""
 
 import json
-from collections.abc import Callable, Iterator
 from importlib import metadata
-from typing import Any
 
 import pytest
 
 from driftform.cli.added import BROUGHT_BY, load_added
 from driftform.plugins.discovery import GROUP
-
-Call = Callable[..., Any]
-Install = Callable[..., None]
-Refused = Callable[..., str]
 
 HOOK = """
 from typing import Annotated
@@ -68,13 +62,13 @@ def sink(how: str) -> None:
 """
 
 
-def add(name: str, text: str) -> str:
+def add(name, text):
     """The source of a plugin that adds one command, which prints a text."""
     return f'{HOOK}    app.command("{name}")(lambda: print("{text}"))\n'
 
 
 @pytest.fixture
-def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def without_plugins(monkeypatch):
     """Hide every distribution but driftform itself."""
     every = metadata.entry_points
     own = [point for point in every(group=GROUP) if point.dist and point.dist.name == "driftform"]
@@ -86,7 +80,7 @@ def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     load_added.cache_clear()
 
 
-def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, call: Call) -> None:
+def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install, call):
     install(ext_tide=TIDE)
     page = call("--help").stdout
     assert "Show the tide." in page and "Work in a harbour." in page and "It is calm" not in page
@@ -108,24 +102,20 @@ def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, 
         (("harbour", "enter", "Hull", "--json"), {"in": "Hull"}),
     ],
 )
-def test_json_is_all_that_stdout_gets(
-    install: Install, call: Call, arguments: tuple[str, ...], document: dict[str, Any]
-) -> None:
+def test_json_is_all_that_stdout_gets(install, call, arguments, document):
     install(ext_tide=TIDE)
     result = call(*arguments)
     assert json.loads(result.stdout) == document
     assert result.stderr in ("a library prints this\n", "in Hull\n")
 
 
-def test_wrong_options_of_a_plugin_are_refused_in_one_line(install: Install, refused: Refused) -> None:
+def test_wrong_options_of_a_plugin_are_refused_in_one_line(install, refused):
     install(ext_tide=TIDE)
     line = refused("tide", "--height", "high")
     assert "--height" in line and line.endswith("see 'driftform tide --help'")
 
 
-def test_a_command_that_two_plugins_claim_is_refused_with_both_names_and_leaves_their_others(
-    install: Install, call: Call, refused: Refused
-) -> None:
+def test_a_command_that_two_plugins_claim_is_refused_with_both_names_and_leaves_their_others(install, call, refused):
     both = add("dredge", "one") + '    app.command("buoy")(lambda: print("a buoy"))\n'
     install(ext_one=both, ext_two=add("dredge", "two"))
     assert refused("dredge") == (
@@ -140,7 +130,7 @@ def test_a_command_that_two_plugins_claim_is_refused_with_both_names_and_leaves_
 @pytest.mark.parametrize(
     "fault", ["raise OSError('no room')", "import a_library_that_is_not_there", "raise SystemExit(0)"]
 )
-def test_a_hook_that_raises_leaves_the_other_commands(install: Install, call: Call, fault: str) -> None:
+def test_a_hook_that_raises_leaves_the_other_commands(install, call, fault):
     install(ext_broken=f"{HOOK}    {fault}\n", ext_sound=add("buoy", "a buoy"))
     assert call("buoy").stdout == "a buoy\n"
     assert call("--help").exit_code == 0
@@ -148,17 +138,13 @@ def test_a_hook_that_raises_leaves_the_other_commands(install: Install, call: Ca
     assert "ext_broken-plugin" in load_added().problems
 
 
-def test_a_known_command_whose_hook_raises_says_why(
-    install: Install, refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_known_command_whose_hook_raises_says_why(install, refused, monkeypatch):
     monkeypatch.setitem(BROUGHT_BY, "sound", "ext_kit-plugin")
     install(ext_kit=f"{HOOK}    raise OSError('no room')\n")
     assert refused("sound") == "error: command 'sound': ext_kit-plugin is unavailable: OSError: no room"
 
 
-def test_a_hook_that_raises_is_listed_and_named_by_a_command_that_nobody_knows(
-    install: Install, call: Call, refused: Refused
-) -> None:
+def test_a_hook_that_raises_is_listed_and_named_by_a_command_that_nobody_knows(install, call, refused):
     install(ext_broken=f"{HOOK}    raise OSError('no room')\n", ext_sound=add("buoy", "a buoy"))
     assert refused("sail") == "error: no command is named 'sail'; ext_broken-plugin is unavailable: OSError: no room"
     rows = [row for row in json.loads(call("plugins", "--json").stdout)["plugins"] if row["seam"] == "commands"]
@@ -179,9 +165,7 @@ def test_a_hook_that_raises_is_listed_and_named_by_a_command_that_nobody_knows(
         ("harbour leave", 1, "error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line "),
     ],
 )
-def test_a_command_that_raises_is_one_line_and_an_exit_code(
-    install: Install, call: Call, words: str, code: int, line: str
-) -> None:
+def test_a_command_that_raises_is_one_line_and_an_exit_code(install, call, words, code, line):
     install(ext_sink=RAISING, ext_tide=TIDE)
     result = call(*words.split())
     assert (result.exit_code, result.stdout) == (code, "")
@@ -189,7 +173,7 @@ def test_a_command_that_raises_is_one_line_and_an_exit_code(
     assert result.stderr.startswith(line)
 
 
-def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> None:
+def test_a_command_of_the_core_is_not_replaced(install, call):
     install(ext_rival=add("scenarios", "mine") + '    app.command("buoy")(lambda: print("a buoy"))\n')
     assert "pipe-inspection" in call("scenarios").stdout
     assert call("buoy").stdout == "a buoy\n"
@@ -208,12 +192,12 @@ def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> 
         ("reproduce", 'pip install "driftform-paper"'),
     ],
 )
-def test_a_command_without_its_distribution_says_what_installs_it(refused: Refused, command: str, remedy: str) -> None:
+def test_a_command_without_its_distribution_says_what_installs_it(refused, command, remedy):
     assert refused(command) == f"error: command '{command}' is not installed; run: {remedy}"
     assert refused(command, "--json") == f"error: command '{command}' is not installed; run: {remedy}"
 
 
-def test_every_command_that_our_plugins_add_is_known_with_what_installs_it() -> None:
+def test_every_command_that_our_plugins_add_is_known_with_what_installs_it():
     owners = {name: package.replace("[", "-").removesuffix("]") for name, package in BROUGHT_BY.items()}
     installed = {point.dist.name for point in metadata.entry_points(group=GROUP) if point.dist}
     expected = {name for name, owner in owners.items() if owner in installed}
@@ -221,5 +205,5 @@ def test_every_command_that_our_plugins_add_is_known_with_what_installs_it() -> 
 
 
 @pytest.mark.usefixtures("without_plugins")
-def test_a_command_that_nobody_knows_is_a_usage_error(refused: Refused) -> None:
+def test_a_command_that_nobody_knows_is_a_usage_error(refused):
     assert "No such command 'sail'" in refused("sail")

@@ -1,20 +1,16 @@
 """All commands: a plugin that raises is one line, and an agent opens by file, by run and by text."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """The word of the paper's Figure 2."""
 
-Call = Callable[..., Any]
-
 
 @pytest.mark.usefixtures("ideal_water")
-def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run: tuple[Path, Any], call: Call) -> None:
+def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run, call):
     run = finished_run[0]
     by_file = json.loads(call("inspect", run / "best" / "TP1" / "agent.json", "--json").stdout)
     by_run = json.loads(call("inspect", f"{run}:TP1", "--json").stdout)
@@ -30,8 +26,8 @@ def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run: tup
 
 
 @pytest.mark.parametrize("command", ["inspect", "simulate", "export"])
-def test_a_builder_that_raises_is_told_in_one_line(call: Call, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def build(*_: object) -> None:
+def test_a_builder_that_raises_is_told_in_one_line(call, command, monkeypatch):
+    def build(*_):
         raise FloatingPointError("no wall is left")
 
     monkeypatch.setattr("driftform_frusta.builder.FrustaBuilder.build", build)
@@ -42,7 +38,7 @@ def test_a_builder_that_raises_is_told_in_one_line(call: Call, command: str, mon
     assert "cannot be built: FloatingPointError: no wall is left" in line
 
 
-def test_an_agent_keeps_its_body_in_another_scenario(finished_run: tuple[Path, Any], call: Call) -> None:
+def test_an_agent_keeps_its_body_in_another_scenario(finished_run, call):
     agent = f"{finished_run[0]}:TP1"
     Path("lake.toml").write_text('base = "paper"\n[fluid]\ndensity = 1000.0\n[builder]\nwall = 0.0015\n')
     at_home = json.loads(call("inspect", agent, "--json").stdout)

@@ -3,13 +3,9 @@
 import json
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-
-Refused = Callable[..., str]
 
 BASE = 'base = "paper"\n'
 SEGMENT = BASE + "[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9, 0, 0]\n"
@@ -39,18 +35,18 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--sead", 1), ["--sead"]),
     ],
 )
-def test_of_evolve(refused: Refused, args: tuple[object, ...], parts: list[str]) -> None:
+def test_of_evolve(refused, args, parts):
     line = refused("evolve", *OUT, *args)
     for part in parts:
         assert part in line
 
 
-def test_options_of_a_strategy_are_refused_for_an_agent(refused: Refused, finished_run: tuple[Path, object]) -> None:
+def test_options_of_a_strategy_are_refused_for_an_agent(refused, finished_run):
     line = refused("inspect", f"{finished_run[0]}:TP1", "--set", "strategy.elites=5")
     assert "--set strategy.elites=5: no plugin is selected in [strategy]" in line
 
 
-def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) -> None:
+def test_a_misspelt_command_and_a_misspelt_option_before_it(refused):
     assert "evolve" in refused("evolv")
     assert "--versio" in refused("--versio")
 
@@ -101,7 +97,7 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         ('base = "C:\\temp\\base.toml"\n', 1, ["neither a file nor", "\\t for a tab: write / in its place"]),
     ],
 )
-def test_of_a_study_file(refused: Refused, tmp_path: Path, text: str, line: int | None, parts: list[str]) -> None:
+def test_of_a_study_file(refused, tmp_path, text, line, parts):
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     message = refused("evolve", "study.toml", *OUT)
     assert message.startswith(f"error: study.toml:{line}: " if line else "error: study.toml: ")
@@ -109,13 +105,13 @@ def test_of_a_study_file(refused: Refused, tmp_path: Path, text: str, line: int 
         assert part in message
 
 
-def test_the_line_is_that_of_the_file_which_holds_the_key(refused: Refused, tmp_path: Path) -> None:
+def test_the_line_is_that_of_the_file_which_holds_the_key(refused, tmp_path):
     (tmp_path / "lake.toml").write_text(BASE + "[fluid]\ndensty = 1000\n")
     (tmp_path / "study.toml").write_text('base = "lake.toml"\n')
     assert refused("evolve", "study.toml", *OUT).startswith("error: lake.toml:3: ")
 
 
-def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:
+def test_a_study_that_is_no_text_file(refused, tmp_path):
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "folder.toml").mkdir()
     assert "bytes.toml: is not a text file; save it as text in UTF-8" in refused("evolve", "bytes.toml", *OUT)
@@ -126,7 +122,7 @@ def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("command", ["evolve", "sample", "export", "simulate"])
-def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, command: str) -> None:
+def test_an_out_that_cannot_be_a_directory(refused, tmp_path, command):
     (tmp_path / "file").write_text("mine")
     args = {
         "evolve": ("evolve", "paper", "--evaluations", 1),
@@ -145,12 +141,12 @@ def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, com
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="the superuser may write anywhere")
-def test_an_out_that_may_not_be_written(refused: Refused, tmp_path: Path) -> None:
+def test_an_out_that_may_not_be_written(refused, tmp_path):
     (tmp_path / "fixed").mkdir(mode=0o500)
     assert "choose another --out" in refused("evolve", "paper", "--evaluations", 1, "--out", "fixed/run")
 
 
-def test_an_out_that_is_in_use(refused: Refused, run_copy: Path, tmp_path: Path) -> None:
+def test_an_out_that_is_in_use(refused, run_copy, tmp_path):
     line = refused("evolve", "paper", "--evaluations", 1, "--out", "run")
     assert "already holds a run" in line
     assert line.endswith("driftform resume run")
@@ -178,14 +174,14 @@ def test_an_out_that_is_in_use(refused: Refused, run_copy: Path, tmp_path: Path)
         ("a\0b", ["not a genome"]),
     ],
 )
-def test_of_an_agent(refused: Refused, agent: str, parts: list[str]) -> None:
+def test_of_an_agent(refused, agent, parts):
     line = refused("inspect", agent)
     for part in parts:
         assert part in line
     assert len(line) < 500
 
 
-def test_a_run_without_its_target_and_other_places(refused: Refused, run_copy: Path, tmp_path: Path) -> None:
+def test_a_run_without_its_target_and_other_places(refused, run_copy, tmp_path):
     (tmp_path / "empty").mkdir()
     assert "name one of its targets too, such as run:TP1" in refused("inspect", "run")
     assert "run has no target 'TP2'; did you mean" in refused("inspect", "run:TP2")
@@ -197,10 +193,10 @@ def test_a_run_without_its_target_and_other_places(refused: Refused, run_copy: P
     assert "expected a run directory" in refused("resume", "run/run.db")
 
 
-def change(key: str, value: object) -> Callable[[dict[str, Any]], None]:
+def change(key, value):
     *tables, last = key.split(".")
 
-    def changed(document: dict[str, Any]) -> None:
+    def changed(document):
         for table in tables:
             document = document[table]
         document[last] = value
@@ -224,13 +220,7 @@ def change(key: str, value: object) -> Callable[[dict[str, Any]], None]:
         (change("environment.pilot", {}), ["unknown key 'pilot'"]),
     ],
 )
-def test_of_an_agent_file(
-    refused: Refused,
-    agent_document: dict[str, Any],
-    tmp_path: Path,
-    harm: Callable[[dict[str, Any]], None],
-    parts: list[str],
-) -> None:
+def test_of_an_agent_file(refused, agent_document, tmp_path, harm, parts):
     harm(agent_document)
     (tmp_path / "agent.json").write_text(json.dumps(agent_document))
     for command in ("inspect", "simulate", "export"):
@@ -241,19 +231,19 @@ def test_of_an_agent_file(
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000, '{"a": ' + "9" * 5000 + "}"])
-def test_an_agent_file_that_is_none(refused: Refused, tmp_path: Path, text: str) -> None:
+def test_an_agent_file_that_is_none(refused, tmp_path, text):
     (tmp_path / "agent.json").write_text(text)
     assert refused("inspect", "agent.json").startswith("error: agent.json: is not an agent file")
 
 
-def test_an_agent_file_that_is_no_text(refused: Refused, tmp_path: Path) -> None:
+def test_an_agent_file_that_is_no_text(refused, tmp_path):
     (tmp_path / "agent.json").write_bytes(b"\x80\x04\x95")
     assert "agent.json: is not an agent file, which is JSON in UTF-8" in refused("inspect", "agent.json")
     (tmp_path / "agent.json").write_bytes(b"\x00")
     assert "agent.json: is not a text file" in refused("inspect", "agent.json")
 
 
-def test_of_export_plugins_and_scenarios(refused: Refused) -> None:
+def test_of_export_plugins_and_scenarios(refused):
     assert "--format stll: no exporter is named 'stll'; did you mean 'stl'?" in refused(
         "export", "C", "--format", "stll"
     )

@@ -2,16 +2,9 @@
 
 import json
 import re
-import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-Call = Callable[..., Any]
-Program = Callable[..., subprocess.CompletedProcess[str]]
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("fakes")]
 
@@ -21,13 +14,13 @@ RUN = ("--seed", 1, "--workers", 1, "--out", "run")
 FLIGHT, CHECK = ("simulate", "C", "--scenario", "paper", "--simulator", "fake"), ("scenarios", "check", "paper")
 
 
-def last_line(result: Any) -> str:
+def last_line(result):
     assert isinstance(result.exception, SystemExit), result.exception
     assert "Traceback" not in result.stderr
     return str(result.stderr.splitlines()[-1])
 
 
-def choose(seam: str, slip: str) -> tuple[str, ...]:
+def choose(seam, slip):
     """Options that select a plugin and what it does: the one that is named "slipping", or the fake simulator."""
     use = ("--set", f"{seam}.use=slipping", "--set", "strategy.use=random") if seam != "simulator" else ()
     return (*(use[:2] if seam == "strategy" else use), "--set", f"{seam}.{'slip' if use else 'deed'}='{slip}'")
@@ -54,9 +47,7 @@ def choose(seam: str, slip: str) -> tuple[str, ...]:
         ("fitness", "raising", "failed in score(): LinAlgError: Singular matrix (in <lambda>"),
     ],
 )
-def test_a_plugin_that_misbehaves_in_each_evaluation_is_named_by_a_run_and_by_one_flight(
-    call: Call, seam: str, slip: str, text: str
-) -> None:
+def test_a_plugin_that_misbehaves_in_each_evaluation_is_named_by_a_run_and_by_one_flight(call, seam, slip, text):
     text = f"{seam} {text}" if seam == "simulator" else f"{seam} 'slipping' {text}"
     result = call(*STUDY, *choose(seam, slip), *RUN)
     assert result.exit_code == 1
@@ -82,8 +73,8 @@ def test_a_plugin_that_misbehaves_in_each_evaluation_is_named_by_a_run_and_by_on
     ],
 )
 def test_a_plugin_that_cannot_be_searched_with_is_refused_before_a_search_and_leaves_no_directory(
-    call: Call, seam: str, slip: str, text: str, tmp_path: Path
-) -> None:
+    call, seam, slip, text, tmp_path
+):
     """What is corrected then begins in the same directory."""
     for command in ((*STUDY, *RUN), CHECK):
         result = call(*command, *choose(seam, slip))
@@ -105,14 +96,14 @@ def test_a_plugin_that_cannot_be_searched_with_is_refused_before_a_search_and_le
         ("threshold", "returned a candidate with threshold (1.0, 2.0) from ask(), expected None or 1 number"),
     ],
 )
-def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(call: Call, slip: str, text: str) -> None:
+def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(call, slip, text):
     for command in ((*STUDY, *choose("strategy", slip), *RUN), ("resume", "run", "--workers", 1)):
         result = call(*command)
         assert result.exit_code == 1
         assert last_line(result).startswith(f"error: strategy 'slipping' {text}")
 
 
-def test_candidates_may_hold_integers_of_numpy_and_are_read_back(call: Call) -> None:
+def test_candidates_may_hold_integers_of_numpy_and_are_read_back(call):
     result = call(*STUDY, *choose("strategy", "numpy"), *RUN)
     assert result.exit_code == 0, result.stderr
     assert call("resume", "run", "--evaluations", 5, "--workers", 1).exit_code == 0
@@ -135,7 +126,7 @@ def test_candidates_may_hold_integers_of_numpy_and_are_read_back(call: Call) -> 
         ),
     ],
 )
-def test_a_plugin_that_misbehaves_in_one_command_is_named(call: Call, words: tuple[str, ...], text: str) -> None:
+def test_a_plugin_that_misbehaves_in_one_command_is_named(call, words, text):
     result = call(*words)
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: {text}")
@@ -149,9 +140,7 @@ def test_a_plugin_that_misbehaves_in_one_command_is_named(call: Call, words: tup
         ("absent", "exporter 'deed' returned a WrittenFile of 'nowhere.never' from write(), expected the path of"),
     ],
 )
-def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(
-    call: Call, deed: str, text: str, tmp_path: Path
-) -> None:
+def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(call, deed, text, tmp_path):
     options = ("--set", "run.formats=['deed', 'scad']", "--set", f"exporter.deed.deed='{deed}'")
     result = call(*STUDY, *options, *RUN)
     assert result.exit_code == 1
@@ -164,9 +153,7 @@ def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
 @pytest.mark.parametrize(("deed", "text"), [("die", "exit code 3"), ("segfault", "SIGSEGV")])
-def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_file(
-    call: Call, deed: str, text: str, tmp_path: Path
-) -> None:
+def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_file(call, deed, text, tmp_path):
     options = ("--set", "run.formats=['scad', 'deed']", "--set", f"exporter.deed.deed='{deed}'")
     result = call(*STUDY, *options, *RUN)
     assert result.exit_code == 1
@@ -181,7 +168,7 @@ def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_
     assert last_line(call("resume", "run", "--workers", 1)) == last_line(result)
 
 
-def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(run: Program, tmp_path: Path) -> None:
+def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(run, tmp_path):
     result = run(*STUDY, "--set", "simulator.deed='print'", *RUN, "--json", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert json.loads(result.stdout)["evaluations"] == 4
@@ -189,7 +176,7 @@ def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(run: Pr
     assert result.stderr.count("mind the other gap") == 4
 
 
-def test_a_fitness_with_a_memory_is_found_at_the_end_of_a_run(call: Call) -> None:
+def test_a_fitness_with_a_memory_is_found_at_the_end_of_a_run(call):
     result = call(*STUDY[:-1], 100, *choose("fitness", "memory"), *RUN)
     assert result.exit_code == 0, result.stderr
     [line] = [line for line in result.stderr.splitlines() if line.startswith("warning: ")]

@@ -6,7 +6,6 @@ import signal
 import sqlite3
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ TARGETS = ("--set", "targets={near=[3.0,0.0,0.5],far=[8.0,0.0,-0.2]}", "--evalua
 
 
 @pytest.fixture(scope="module")
-def compared(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+def compared(start, tmp_path_factory):
     out = tmp_path_factory.mktemp("comparison") / "out"
     process = start(*WORDS, *TARGETS, "--out", out, "--workers", "1", "--json", cwd=out.parent)
     printed, told = process.communicate(timeout=600)
@@ -26,13 +25,13 @@ def compared(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path
     return out, json.loads(printed)
 
 
-def read_best(run: Path) -> dict[str, float]:
+def read_best(run):
     """The best fitness of a run for each target, read past driftform."""
     with sqlite3.connect(run / "run.db") as db:
         return dict(db.execute("SELECT target, max(fitness) FROM score GROUP BY target"))
 
 
-def test_medians_are_those_of_the_runs_over_equally_many_flights(compared: tuple[Path, dict[str, Any]]) -> None:
+def test_medians_are_those_of_the_runs_over_equally_many_flights(compared):
     out, document = compared
     medians = []
     for name in ("random", "paper"):
@@ -55,9 +54,7 @@ def test_medians_are_those_of_the_runs_over_equally_many_flights(compared: tuple
     assert all(Path(path).stat().st_size > 1000 for path in document["figures"])
 
 
-def test_an_interruption_loses_nothing_and_what_is_complete_is_not_flown_again(
-    compared: tuple[Path, dict[str, Any]], start: Any, tmp_path: Path
-) -> None:
+def test_an_interruption_loses_nothing_and_what_is_complete_is_not_flown_again(compared, start, tmp_path):
     command = (*WORDS, *TARGETS, "--set", "simulator.pause=0.01", "--out", tmp_path / "out", "--workers", "2")
     process = start(*command, cwd=tmp_path)
     deadline = time.monotonic() + 600
@@ -76,7 +73,7 @@ def test_an_interruption_loses_nothing_and_what_is_complete_is_not_flown_again(
     assert (tmp_path / "out" / "comparison.csv").read_bytes() == (compared[0] / "comparison.csv").read_bytes()
 
 
-def test_promises_are_compared_where_flights_are_disturbed(start: Any, tmp_path: Path) -> None:
+def test_promises_are_compared_where_flights_are_disturbed(start, tmp_path):
     words = ("compare", "paper", "pipe-inspection", "--strategy", "random", "--simulator", "fake", "--seeds", "2")
     robust = ("--robust", "2", "--set", "robustness.checks=12", "--evaluations", "10", "--workers", "2")
     process = start(*words, *robust, *TARGETS[:2], "--json", "--out", "out", cwd=tmp_path)
@@ -96,7 +93,5 @@ def test_promises_are_compared_where_flights_are_disturbed(start: Any, tmp_path:
         (("paper", "--strategy", "random", "--strategy", "papre"), "did you mean 'paper'?"),
     ],
 )
-def test_what_cannot_be_compared_is_refused_before_anything_is_written(
-    words: tuple[str, ...], said: str, refused: Any
-) -> None:
+def test_what_cannot_be_compared_is_refused_before_anything_is_written(words, said, refused):
     assert said in refused("compare", *words)

@@ -1,19 +1,11 @@
 """What a shell completes: asked as Typer's scripts ask, by variables of the environment."""
 
-import subprocess
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
-
-Complete = Callable[[str], list[str]]
 
 
 @pytest.fixture
-def complete(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Callable[..., subprocess.CompletedProcess[str]]
-) -> Complete:
-    def ask(line: str) -> list[str]:
+def complete(tmp_path, monkeypatch, run):
+    def ask(line):
         words = line.split(" ")
         monkeypatch.setenv("_DRIFTFORM_COMPLETE", "complete_bash")
         monkeypatch.setenv("COMP_WORDS", line)
@@ -26,7 +18,7 @@ def complete(
 
 
 @pytest.mark.long
-def test_commands_scenarios_plugins_keys_and_runs_are_completed(complete: Complete, tmp_path: Path) -> None:
+def test_commands_scenarios_plugins_keys_and_runs_are_completed(complete, tmp_path):
     assert complete("driftform ca") == ["calibrate"], "commands of plugins too"
     assert complete("driftform evolve pi") == ["pipe-inspection"]
     assert {"evolution", "paper", "random"} <= set(complete("driftform evolve --strategy "))
@@ -49,13 +41,7 @@ def test_commands_scenarios_plugins_keys_and_runs_are_completed(complete: Comple
         ("fish", "complete --command driftform"),
     ],
 )
-def test_each_shell_has_a_script(
-    shell: str,
-    part: str,
-    run: Callable[..., subprocess.CompletedProcess[str]],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:
+def test_each_shell_has_a_script(shell, part, run, monkeypatch, tmp_path):
     monkeypatch.setenv("_DRIFTFORM_COMPLETE", f"source_{shell}")
     result = run(cwd=tmp_path)
     assert result.returncode == 0

@@ -6,31 +6,27 @@ import shutil
 import sqlite3
 import struct
 import zlib
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.runs.store import SCHEMA_VERSION
 
-Refused = Callable[..., str]
 
-
-def overwritten(data: bytes) -> Callable[[Path], None]:
+def overwritten(data):
     return lambda path: path.write_bytes(data) and None
 
 
-def truncated(size: int) -> Callable[[Path], None]:
+def truncated(size):
     return lambda path: os.truncate(path, size)
 
 
-def garbled(share: float) -> Callable[[Path], None]:
+def garbled(share):
     """Garbage over one page."""
 
-    def harm(path: Path) -> None:
+    def harm(path):
         data = bytearray(path.read_bytes())
         start = int(share * len(data)) // 4096 * 4096
         data[start : start + 4096] = b"\xa5" * 4096
@@ -39,8 +35,8 @@ def garbled(share: float) -> Callable[[Path], None]:
     return harm
 
 
-def sql(*statements: str) -> Callable[[Path], None]:
-    def harm(path: Path) -> None:
+def sql(*statements):
+    def harm(path):
         connection = sqlite3.connect(path)
         for statement in statements:
             connection.execute(statement)
@@ -50,17 +46,17 @@ def sql(*statements: str) -> Callable[[Path], None]:
     return harm
 
 
-def flown(blob: bytes) -> Callable[[Path], None]:
+def flown(blob):
     """Another flight in place of every one."""
 
-    def harm(path: Path) -> None:
+    def harm(path):
         with closing(sqlite3.connect(path)) as connection, connection:
             connection.execute("UPDATE evaluation SET trajectory = ?", (blob,))
 
     return harm
 
 
-def flight_of(*rows: list[float], numbers: int = 0x3FFF, count: int | None = None) -> bytes:
+def flight_of(*rows, numbers=16383, count=None):
     """A flight as it is stored, of rows of 14 numbers; it says which are there, and how many rows."""
     planes = np.array(rows, dtype="<f4").T.copy().view(np.uint8).reshape(-1, 4).T.tobytes()
     header = struct.pack("<HII", numbers, len(rows) if count is None else count, zlib.adler32(planes))
@@ -71,10 +67,10 @@ def flight_of(*rows: list[float], numbers: int = 0x3FFF, count: int | None = Non
 SOUND = flight_of([0.0] * 14, [1.0] * 14)
 
 
-def studied(change: Callable[[dict[str, Any]], object]) -> Callable[[Path], None]:
+def studied(change):
     """Another study in place of that of the run."""
 
-    def harm(path: Path) -> None:
+    def harm(path):
         with closing(sqlite3.connect(path)) as connection, connection:
             [text] = connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
             document = json.loads(text)
@@ -88,7 +84,7 @@ ENDLESS = """CREATE VIEW {} AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT
 SELECT i AS evaluation, 'TP1' AS target, 1.0 AS fitness FROM n"""
 
 
-def foreign(path: Path) -> None:
+def foreign(path):
     path.unlink()
     sql("CREATE TABLE bookmarks (url)")(path)
 
@@ -149,7 +145,7 @@ DAMAGE = "is damaged"
         ),
     ],
 )
-def test_to_resume_and_to_read(refused: Refused, run_copy: Path, harm: Callable[[Path], None], told: str) -> None:
+def test_to_resume_and_to_read(refused, run_copy, harm, told):
     harm(run_copy / "run.db")
     for args in (("resume", "run", "--workers", 1), ("inspect", "run:TP1")):
         line = refused(*args)
@@ -157,9 +153,7 @@ def test_to_resume_and_to_read(refused: Refused, run_copy: Path, harm: Callable[
         assert told in line
 
 
-def test_a_run_whose_exporter_is_no_longer_installed_is_read_and_not_resumed(
-    call: Callable[..., Any], refused: Refused, run_copy: Path
-) -> None:
+def test_a_run_whose_exporter_is_no_longer_installed_is_read_and_not_resumed(call, refused, run_copy):
     studied(lambda study: study["run"].update(formats=["gone"]))(run_copy / "run.db")
     assert call("inspect", "run:TP1").exit_code == 0
     line = refused("resume", "run", "--workers", 1)
@@ -175,9 +169,7 @@ def test_a_run_whose_exporter_is_no_longer_installed_is_read_and_not_resumed(
         sql("""UPDATE evaluation SET symbols = '["C"]' WHERE id = 3"""),
     ],
 )
-def test_to_resume(
-    run_copy: Path, call: Callable[..., Any], rows: Callable[..., Any], harm: Callable[[Path], None]
-) -> None:
+def test_to_resume(run_copy, call, rows, harm):
     harm(run_copy / "run.db")
     before = rows(run_copy)
     result = call("resume", "run", "--workers", 1)
@@ -189,9 +181,7 @@ def test_to_resume(
 @pytest.mark.parametrize(
     "harm", [sql("DELETE FROM evaluation WHERE id = 3"), sql("UPDATE evaluation SET id = id + 100")]
 )
-def test_rows_that_do_not_fit_those_to_be_written(
-    run_copy: Path, call: Callable[..., Any], harm: Callable[[Path], None]
-) -> None:
+def test_rows_that_do_not_fit_those_to_be_written(run_copy, call, harm):
     harm(run_copy / "run.db")
     result = call("resume", "run", "--workers", 1)
     assert isinstance(result.exception, SystemExit)
@@ -199,13 +189,13 @@ def test_rows_that_do_not_fit_those_to_be_written(
     assert result.stderr.splitlines()[-1].startswith("error: run/run.db: evaluation ")
 
 
-def test_a_directory_in_place_of_the_database(refused: Refused, run_copy: Path) -> None:
+def test_a_directory_in_place_of_the_database(refused, run_copy):
     (run_copy / "run.db").unlink()
     (run_copy / "run.db").mkdir()
     assert refused("resume", "run").startswith("error: run holds no run.db")
 
 
-def test_a_failed_look_leaves_the_file_as_it_was(refused: Refused, run_copy: Path) -> None:
+def test_a_failed_look_leaves_the_file_as_it_was(refused, run_copy):
     path = run_copy / "run.db"
     garbled(0.5)(path)
     before = path.read_bytes()
@@ -214,9 +204,7 @@ def test_a_failed_look_leaves_the_file_as_it_was(refused: Refused, run_copy: Pat
     assert [p.name for p in run_copy.glob("run.db*")] == ["run.db"]
 
 
-def test_a_copy_whose_log_was_left_by_a_crash_is_whole(
-    run_copy: Path, call: Callable[..., Any], tmp_path: Path, rows: Callable[..., Any]
-) -> None:
+def test_a_copy_whose_log_was_left_by_a_crash_is_whole(run_copy, call, tmp_path, rows):
     # What a process that was killed leaves: rows that only the write-ahead log has.
     connection = sqlite3.connect(run_copy / "run.db", isolation_level=None)
     connection.execute("PRAGMA journal_mode = WAL")
@@ -232,9 +220,7 @@ def test_a_copy_whose_log_was_left_by_a_crash_is_whole(
 
 
 @pytest.mark.long
-def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(
-    run_copy: Path, call: Callable[..., Any], rows: Callable[..., Any]
-) -> None:
+def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(run_copy, call, rows):
     before = rows(run_copy)
     with closing(sqlite3.connect(run_copy / "run.db")) as other:
         other.execute("BEGIN EXCLUSIVE")
@@ -247,9 +233,7 @@ def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(
 
 
 @pytest.mark.parametrize("name", ["\x1b[2Jcleared", "line\nfeed"])
-def test_a_name_that_steers_a_terminal_is_refused_before_it_is_shown(
-    refused: Refused, run_copy: Path, name: str
-) -> None:
+def test_a_name_that_steers_a_terminal_is_refused_before_it_is_shown(refused, run_copy, name):
     studied(lambda study: study.update(targets={name: [1.0, 0.0, 0.0]}))(run_copy / "run.db")
     for args in (("watch", "run", "--once"), ("watch", "run", "--json"), ("report", "run"), ("resume", "run")):
         assert f"a target is named {name!r}" in refused(*args)

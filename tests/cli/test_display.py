@@ -7,8 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -19,7 +17,7 @@ from driftform.cli.display import BARS, PAGE_S, PLAIN_BARS, View, draw_sparkline
 from driftform.runs.status import RunStatus, Throughput
 
 
-def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known() -> None:
+def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known():
     # Eight bars over seven decades: one for each.
     errors = [None, *(10.0**-n for n in range(8))]
     assert draw_sparkline(errors, 1e-7, 1) == " " + BARS[::-1]
@@ -30,14 +28,14 @@ def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known() -> None:
 class Clock:
     """A clock that goes when it is told to."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.now = 1000.0
 
-    def __call__(self) -> float:
+    def __call__(self):
         return self.now
 
 
-def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[str]:
+def shown(view, width, height, encoding="utf-8"):
     file = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
     console = Console(file=file, width=width, height=height, force_terminal=True, color_system=None)
     console.print(view)
@@ -48,7 +46,7 @@ def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[
 FAILURE = "not converged: no tolerance brings two flights of this body nearer to each other than 37.2 mm anywhere"
 
 
-def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluations: int = 300) -> View:
+def a_view(targets, clock=None, fits=True, evaluations=300):
     names = [f"TP{n}" for n in range(1, targets + 1)]
     names[-1] = "the-far-end-of-the-pipe-behind-the-second-valve"
     standing = RunStatus(names, 1000)
@@ -62,7 +60,7 @@ def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluati
 @pytest.mark.parametrize("evaluations", [0, 300])
 @pytest.mark.parametrize("targets", [1, 10, 40])
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (120, 30), (60, 12), (200, 60)])
-def test_the_display_fits_the_terminal(targets: int, width: int, height: int, evaluations: int) -> None:
+def test_the_display_fits_the_terminal(targets, width, height, evaluations):
     lines = shown(a_view(targets, evaluations=evaluations), width, height)
     # One line is left, for the cursor.
     assert len(lines) < height
@@ -73,7 +71,7 @@ def test_the_display_fits_the_terminal(targets: int, width: int, height: int, ev
     assert lines[-1] == "runs/pipe-1: Ctrl-C stops"
 
 
-def test_the_display_says_the_commonest_failure_in_one_line() -> None:
+def test_the_display_says_the_commonest_failure_in_one_line():
     lines = shown(a_view(10), 80, 24)
     assert lines[-2].startswith("failed most often (18 of 18): not converged: no tolerance brings two")
     assert not any("failed most often" in line for line in shown(a_view(10, evaluations=0), 80, 24))
@@ -81,14 +79,14 @@ def test_the_display_says_the_commonest_failure_in_one_line() -> None:
 
 @settings(deadline=None, max_examples=40)
 @given(st.integers(1, 50), st.integers(56, 140), st.integers(10, 60))
-def test_no_terminal_is_too_small_or_too_large(targets: int, width: int, height: int) -> None:
+def test_no_terminal_is_too_small_or_too_large(targets, width, height):
     lines = shown(a_view(targets, evaluations=40), width, height)
     assert len(lines) <= height
     assert max(map(len, lines)) <= width
 
 
 @pytest.mark.parametrize("width", [80, 120])
-def test_numbers_are_whole_and_the_curve_falls(width: int) -> None:
+def test_numbers_are_whole_and_the_curve_falls(width):
     lines = shown(a_view(3), width, 24)
     [row] = [line for line in lines if line.startswith("TP1 ")]
     cells = row.split()
@@ -105,10 +103,10 @@ def test_numbers_are_whole_and_the_curve_falls(width: int) -> None:
     assert all(word in heads for word in ("target", "evaluation", "mean %", "failed", "left to 100 %"))
 
 
-def test_targets_that_find_no_room_take_turns() -> None:
+def test_targets_that_find_no_room_take_turns():
     clock = Clock()
     view = a_view(40, clock)
-    seen: set[str] = set()
+    seen = set()
     for _ in range(3):
         lines = shown(view, 80, 24)
         seen |= {found[1] for text in lines if (found := re.match(r"(TP\d+|the-far-end\S*)", text))}
@@ -117,35 +115,33 @@ def test_targets_that_find_no_room_take_turns() -> None:
     assert len(seen) == 40
 
 
-def test_printed_once_all_targets_are_there_with_their_whole_names() -> None:
+def test_printed_once_all_targets_are_there_with_their_whole_names():
     text = "\n".join(shown(a_view(40, fits=False), 120, 24))
     assert "the-far-end-of-the-pipe-behind-the-second-valve" in text
     assert all(f"TP{n} " in text for n in range(1, 40))
 
 
-def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii() -> None:
+def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii():
     text = "\n".join(shown(a_view(3), 80, 24, "ascii"))
     assert text.isascii()
     assert re.search(r"[#*+=:.-]{3}_", text)
 
 
-def test_a_line_of_progress_stays_a_line_with_hundreds_of_targets() -> None:
+def test_a_line_of_progress_stays_a_line_with_hundreds_of_targets():
     status = RunStatus(tuple(f"T{n}" for n in range(300)), 20)
     status.add(0, 0, "", None, [50.0 + n / 10 for n in range(300)])
     line = progress_line(status, Throughput(0))
     assert line == "1/20 evaluations: best of 300 targets: median 64.95, worst T0 50.00"
 
 
-def test_names_of_targets_are_no_markup() -> None:
+def test_names_of_targets_are_no_markup():
     standing = RunStatus(("[red]A[/red]",), 10)
     text = "\n".join(shown(View(standing, Throughput(0), (), ""), 80, 24))
     assert "[red]A[/red]" in text
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
-def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_goes_on(
-    fake_plugin: Path, tmp_path: Path
-) -> None:
+def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_goes_on(fake_plugin, tmp_path):
     import pty
 
     ours, theirs = pty.openpty()
@@ -176,7 +172,7 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     assert re.search(r"stopped after \d+ of 5000 evaluations; resume with: driftform resume run", last)
 
 
-def read_until(terminal: int, condition: Callable[[str], bool], seconds: float = 600.0) -> str:
+def read_until(terminal, condition, seconds=600.0):
     """What a terminal shows until a condition holds, or nobody writes to it any more."""
     os.set_blocking(terminal, False)
     text, end = "", time.monotonic() + seconds

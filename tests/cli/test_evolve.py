@@ -2,11 +2,8 @@
 
 import csv
 import json
-import subprocess
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -18,11 +15,8 @@ pytestmark = pytest.mark.long
 
 BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
 
-Finished = tuple[Path, subprocess.CompletedProcess[str]]
-Program = Callable[..., subprocess.CompletedProcess[str]]
 
-
-def test_stdout_is_one_json_document_with_the_fields_of_the_contract(finished_run: Finished) -> None:
+def test_stdout_is_one_json_document_with_the_fields_of_the_contract(finished_run):
     directory, result = finished_run
     document = json.loads(result.stdout)
     assert document.keys() >= {"run", "evaluations", "failed", "seconds", "targets"}
@@ -37,7 +31,7 @@ def test_stdout_is_one_json_document_with_the_fields_of_the_contract(finished_ru
         assert all((directory.parent / path).is_file() for path in best["files"])
 
 
-def test_off_a_terminal_progress_is_a_plain_line_on_stderr(finished_run: Finished) -> None:
+def test_off_a_terminal_progress_is_a_plain_line_on_stderr(finished_run):
     lines = finished_run[1].stderr.splitlines()
     if lines[0].startswith("compiling"):
         lines = lines[1:]
@@ -47,7 +41,7 @@ def test_off_a_terminal_progress_is_a_plain_line_on_stderr(finished_run: Finishe
     assert "\x1b" not in finished_run[1].stderr
 
 
-def test_a_run_directory_holds_what_the_design_says(finished_run: Finished) -> None:
+def test_a_run_directory_holds_what_the_design_says(finished_run):
     directory, _ = finished_run
     best = {f"best/{target}/{name}" for target in ("TP1", "TP7") for name in BEST}
     top = {"study.toml", "resolved.toml", "environment.json", "run.db"}
@@ -56,7 +50,7 @@ def test_a_run_directory_holds_what_the_design_says(finished_run: Finished) -> N
     assert found - {".lock"} == best | top
 
 
-def test_a_run_keeps_its_study_as_given_and_resolved_with_versions_plugins_and_the_seed(finished_run: Finished) -> None:
+def test_a_run_keeps_its_study_as_given_and_resolved_with_versions_plugins_and_the_seed(finished_run):
     assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["paper"]
     path = finished_run[0] / "resolved.toml"
     study = load_study(str(path))
@@ -69,7 +63,7 @@ def test_a_run_keeps_its_study_as_given_and_resolved_with_versions_plugins_and_t
     assert len(document["sources"]["sources of driftform"]) == 12
 
 
-def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(finished_run: Finished) -> None:
+def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(finished_run):
     directory, _ = finished_run
     for path in directory.rglob("*.svg"):
         assert ET.parse(path).getroot().tag == "{http://www.w3.org/2000/svg}svg"
@@ -81,9 +75,7 @@ def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(f
 
 
 @pytest.mark.parametrize("agent", ["run/best/TP1/agent.json", "run:TP1"])
-def test_simulate_finds_the_fitness_of_the_run_again(
-    finished_run: Finished, run: Program, agent: str, tmp_path: Path
-) -> None:
+def test_simulate_finds_the_fitness_of_the_run_again(finished_run, run, agent, tmp_path):
     directory, result = finished_run
     again = run("simulate", agent, "--json", "--out", tmp_path / "flight", cwd=directory.parent)
     assert again.returncode == 0, again.stderr
@@ -91,9 +83,7 @@ def test_simulate_finds_the_fitness_of_the_run_again(
     assert json.loads(again.stdout)["fitness"]["TP1"] == pytest.approx(known, abs=1e-9)
 
 
-def test_two_workers_find_what_one_finds_to_the_last_digit(
-    finished_run: Finished, run: Program, rows: Callable[[Path], Any], tmp_path: Path
-) -> None:
+def test_two_workers_find_what_one_finds_to_the_last_digit(finished_run, run, rows, tmp_path):
     result = run(
         *("evolve", "paper", "--target", "TP1", "--target", "TP7", "--simulator", "native", "--evaluations", 20),
         *("--seed", 1, "--workers", 2, "--out", "run"),
@@ -103,7 +93,7 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     assert rows(tmp_path / "run") == rows(finished_run[0])
 
 
-def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], fakes: None) -> None:
+def test_without_json_a_table_and_where_the_files_are(call, fakes):
     result = call("evolve", "paper", "--evaluations", 3, "--seed", 7, "--workers", 1, "--simulator", "fake")
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
@@ -115,7 +105,7 @@ def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], 
     assert Path("runs/paper-1/figures/overview.svg").is_file()
 
 
-def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None) -> None:
+def test_a_seed_that_was_drawn_is_recorded(call, fakes):
     args = ("evolve", "paper", "--evaluations", 2, "--workers", 1, "--simulator", "fake", "--json")
     documents = [json.loads(call(*args).stdout) for _ in range(2)]
     assert [document["run"] for document in documents] == [f"runs/paper-{n}" for n in (1, 2)]
@@ -125,9 +115,7 @@ def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None
     assert documents[0]["seed"] != documents[1]["seed"]
 
 
-def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing_else_back(
-    call: Callable[..., Any], fakes: None
-) -> None:
+def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing_else_back(call, fakes):
     result = call(
         *("evolve", "paper", "--target", "TP1", "--target", "TP2", "--evaluations", 2, "--seed", 1, "--workers", 1),
         *("--simulator", "fake", "--out", "run", "--json", "--set", 'run.formats=["refusing", "stl"]'),
@@ -141,7 +129,7 @@ def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing
     assert Path("run/figures/overview.svg").is_file()
 
 
-def test_a_study_file_of_ones_own_is_evolved(call: Callable[..., Any], fakes: None) -> None:
+def test_a_study_file_of_ones_own_is_evolved(call, fakes):
     text = 'base = "paper"\n[targets]\nleak = [4.0, 0.0, -0.9]\n[simulator]\nuse = "fake"\n'
     Path("my study.toml").write_text(text)
     result = call("evolve", "my study.toml", "--evaluations", 2, "--workers", 1, "--json")
@@ -151,21 +139,19 @@ def test_a_study_file_of_ones_own_is_evolved(call: Callable[..., Any], fakes: No
     assert (Path(document["run"]) / "study.toml").read_text() == text
 
 
-def test_in_turbulent_flow_each_evaluation_has_gusts_of_its_own_and_its_agent_flies_the_same_again(
-    run: Program, tmp_path: Path
-) -> None:
+def test_in_turbulent_flow_each_evaluation_has_gusts_of_its_own_and_its_agent_flies_the_same_again(run, tmp_path):
     study = tmp_path / "gusty.toml"
     study.write_text(
         'base = "paper"\n[flow]\nkind = "turbulent"\n[simulator]\nuse = "native"\n[flight]\nhorizon = 3.0\n'
     )
 
-    def evolved(name: str, workers: int) -> dict[str, Any]:
+    def evolved(name, workers):
         given = ("--target", "TP2", "--evaluations", 12, "--strategy", "random", "--seed", 4, "--out", name)
         result = run("evolve", study, *given, "--workers", workers, "--json", cwd=tmp_path)
         assert result.returncode == 0, result.stderr
-        document: dict[str, Any] = json.loads(result.stdout)
+        document = json.loads(result.stdout)
         assert document["failed"] == 0
-        best: dict[str, Any] = document["targets"]["TP2"]
+        best = document["targets"]["TP2"]
         return best
 
     alone, together = evolved("alone", 1), evolved("together", 2)

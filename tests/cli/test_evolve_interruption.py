@@ -4,20 +4,13 @@ import json
 import os
 import signal
 import sqlite3
-import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 from processes import count_evaluations, is_alive, make_arguments, wait_until
-
-Start = Callable[..., subprocess.Popen[str]]
-Program = Callable[..., subprocess.CompletedProcess[str]]
-Rows = Callable[[Path], list[tuple[Any, ...]]]
 
 pytestmark = [pytest.mark.long, pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")]
 
@@ -27,9 +20,9 @@ STUDY = make_arguments(EVALUATIONS)
 PAUSE = 0.15
 
 
-def children(process: int) -> list[int]:
+def children(process):
     """Processes that a process started, and theirs, as the kernel has them."""
-    found: list[int] = []
+    found = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
             try:
@@ -42,7 +35,7 @@ def children(process: int) -> list[int]:
     return found
 
 
-def workers(process: int) -> list[int]:
+def workers(process):
     """Those of its processes that evaluate: not the one that watches over shared resources."""
     found = []
     for child in children(process):
@@ -56,7 +49,7 @@ needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="re
 
 
 @pytest.fixture(scope="module")
-def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Any, ...]]:
+def undisturbed(run, rows, tmp_path_factory):
     cwd = tmp_path_factory.mktemp("undisturbed")
     result = run("evolve", *STUDY, "--set", f"simulator.pause={PAUSE}", "--workers", 2, "--out", "run", cwd=cwd)
     assert result.returncode == 0, result.stderr
@@ -64,7 +57,7 @@ def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFacto
 
 
 @pytest.fixture(autouse=True)
-def hangups() -> Iterator[None]:
+def hangups():
     """Programs that a test starts hear SIGHUP, though whoever started the tests may ignore it, as ``nohup`` does."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
@@ -72,7 +65,7 @@ def hangups() -> Iterator[None]:
 
 
 @pytest.fixture
-def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
+def going(start, tmp_path, request):
     """A run of two workers that has some evaluations, and is not at its end."""
     more = ("--set", f"simulator.pause={getattr(request, 'param', PAUSE)}", "--workers", 2, "--out", "run")
     with start("evolve", *STUDY, *more, cwd=tmp_path) as process:
@@ -84,9 +77,7 @@ def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Itera
 
 
 @needs_proc
-def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
-    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
-) -> None:
+def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(going, run, rows, undisturbed, tmp_path):
     started = workers(going.pid)
     assert started
     going.kill()
@@ -103,13 +94,8 @@ def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
 @needs_proc
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_whole(
-    going: subprocess.Popen[str],
-    run: Program,
-    rows: Rows,
-    undisturbed: list[tuple[Any, ...]],
-    tmp_path: Path,
-    number: int,
-) -> None:
+    going, run, rows, undisturbed, tmp_path, number
+):
     started = children(going.pid)
     going.send_signal(number)
     out, err = going.communicate(timeout=600)
@@ -132,7 +118,7 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
 
 @needs_proc
 @pytest.mark.parametrize("delay", [0.2, 2.0], ids=["workers import", "workers fly"])
-def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: Path, delay: float) -> None:
+def test_interrupted_it_does_not_wait_for_long_flights(start, tmp_path, delay):
     args = ("evolve", *STUDY, "--set", "simulator.pause=6000", "--workers", 2)
     with start(*args, "--out", "run", cwd=tmp_path) as process:
         wait_until(lambda: (tmp_path / "run" / "run.db").exists() and len(workers(process.pid)) == 2)
@@ -146,7 +132,7 @@ def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: P
 
 
 @pytest.mark.parametrize("going", [0.5], ids=["slow"], indirect=True)
-def test_a_second_process_on_a_run_is_refused(going: subprocess.Popen[str], run: Program, tmp_path: Path) -> None:
+def test_a_second_process_on_a_run_is_refused(going, run, tmp_path):
     for args in (("resume", "run"), ("evolve", *STUDY, "--out", "run")):
         second = run(*args, cwd=tmp_path)
         assert second.returncode == 2
@@ -156,9 +142,7 @@ def test_a_second_process_on_a_run_is_refused(going: subprocess.Popen[str], run:
     assert going.poll() is None
 
 
-def test_the_best_so_far_is_read_while_the_run_goes_on(
-    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
-) -> None:
+def test_the_best_so_far_is_read_while_the_run_goes_on(going, run, rows, undisturbed, tmp_path):
     read = run("inspect", "run:TP1", "--json", cwd=tmp_path)
     assert read.returncode == 0, read.stderr
     _, err = going.communicate(timeout=600)
@@ -166,7 +150,7 @@ def test_the_best_so_far_is_read_while_the_run_goes_on(
     assert rows(tmp_path / "run") == undisturbed
 
 
-def test_resuming_a_finished_run_changes_nothing(run_copy: Path, call: Callable[..., Any], rows: Rows) -> None:
+def test_resuming_a_finished_run_changes_nothing(run_copy, call, rows):
     before = rows(run_copy)
     files = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
     result = call("resume", run_copy, "--workers", 1, "--json")

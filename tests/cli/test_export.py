@@ -1,9 +1,7 @@
 """``export``: the formats that are asked for."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
@@ -13,10 +11,8 @@ pytestmark = pytest.mark.usefixtures("ideal_water")
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """The word of the paper's Figure 2."""
 
-Call = Callable[..., Any]
 
-
-def test_export_writes_the_formats_it_names(call: Call) -> None:
+def test_export_writes_the_formats_it_names(call):
     result = call("export", FIGURE_2, "--format", "stl, scad", "--out", "parts", "--json")
     assert result.exit_code == 0, result.stderr
     files = json.loads(result.stdout)["files"]
@@ -30,7 +26,7 @@ def test_export_writes_the_formats_it_names(call: Call) -> None:
     assert "rotate_extrude" in Path(files[1]["path"]).read_text()
 
 
-def test_a_hull_that_was_simulated_as_a_kit_is_exported_with_a_note(call: Callable[..., Any]) -> None:
+def test_a_hull_that_was_simulated_as_a_kit_is_exported_with_a_note(call):
     word, kit = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", ("--set", "builder.made_as=kit")
     result = call("export", word, "--out", "out", *kit)
     assert result.exit_code == 0

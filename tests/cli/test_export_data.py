@@ -3,15 +3,13 @@
 import csv
 import json
 import sqlite3
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.runs import table_files, tables
-from driftform.runs.store import Record, Store
+from driftform.runs.store import Store
 from driftform.runs.table_files import SAMPLE_COLUMNS
 from driftform.study import Document, load_study
 
@@ -20,9 +18,7 @@ TARGETS = ("TP1", "TP7")
 
 
 @pytest.fixture(scope="module")
-def exported(
-    finished_run: tuple[Path, object], run: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def exported(finished_run, run, tmp_path_factory):
     """A folder with the tables of a small real run, in a directory for each format."""
     folder = tmp_path_factory.mktemp("tables")
     for name in FORMATS:
@@ -36,7 +32,7 @@ def exported(
     return folder
 
 
-def read_file(path: Path) -> tuple[Any, Any]:
+def read_file(path):
     """The table as pandas and as polars read it."""
     import pandas
     import polars
@@ -47,23 +43,23 @@ def read_file(path: Path) -> tuple[Any, Any]:
     return pandas.read_parquet(path), polars.read_parquet(path)
 
 
-def read(folder: Path, format: str, table: str = "evaluations") -> tuple[Any, Any]:
+def read(folder, format, table="evaluations"):
     return read_file(folder / format / f"{table}.{format}")
 
 
-def column_of(path: Path, name: str) -> list[int]:
+def column_of(path, name):
     with path.open(newline="") as file:
         return [int(row[name]) for row in csv.DictReader(file)]
 
 
-def stored(directory: Path) -> list[Record]:
+def stored(directory):
     with Store.open(directory / "run.db", read_only=True) as store:
         return list(store.read_records(TARGETS))
 
 
 @pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
-def test_evaluations_are_those_of_the_run(exported: Path, finished_run: tuple[Path, object], format: str) -> None:
+def test_evaluations_are_those_of_the_run(exported, finished_run, format):
     records = stored(finished_run[0])
     for frame in read(exported, format):
         assert list(frame["evaluation"]) == list(range(20))
@@ -86,9 +82,7 @@ def test_evaluations_are_those_of_the_run(exported: Path, finished_run: tuple[Pa
 
 
 @pytest.mark.peers
-def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
-    exported: Path, finished_run: tuple[Path, object], call: Callable[..., Any]
-) -> None:
+def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(exported, finished_run, call):
     _, frame = read(exported, "parquet")
     records = stored(finished_run[0])
     study = load_study(str(finished_run[0] / "resolved.toml"))
@@ -105,9 +99,7 @@ def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
 
 @pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
-def test_samples_are_those_that_are_stored_bit_by_bit(
-    exported: Path, finished_run: tuple[Path, object], format: str
-) -> None:
+def test_samples_are_those_that_are_stored_bit_by_bit(exported, finished_run, format):
     records = stored(finished_run[0])
     for frame in read(exported, format, "trajectories"):
         assert list(frame.columns) == [column.name for column in SAMPLE_COLUMNS]
@@ -119,7 +111,7 @@ def test_samples_are_those_that_are_stored_bit_by_bit(
 
 
 @pytest.mark.peers
-def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported: Path) -> None:
+def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported):
     from pyarrow import parquet
 
     for table in ("evaluations", "trajectories"):
@@ -135,7 +127,7 @@ def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported: Path) 
     assert (evaluations["mass"]["unit"], evaluations["fitness_TP7"]["unit"]) == ("kg", "%")
 
 
-def failing(directory: Path, index: int) -> None:
+def failing(directory, index):
     """As if an evaluation had come to no flight, for a reason that is hard to write."""
     connection = sqlite3.connect(directory / "run.db")
     nothing = ", ".join(
@@ -151,9 +143,7 @@ def failing(directory: Path, index: int) -> None:
 
 @pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
-def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(
-    run_copy: Path, call: Callable[..., Any], format: str
-) -> None:
+def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(run_copy, call, format):
     failing(run_copy, 7)
     assert call("export-data", "run", "--format", format, "--trajectories").exit_code == 0
     in_pandas, in_polars = read_file(Path(f"run/data/evaluations.{format}"))
@@ -165,7 +155,7 @@ def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(
     assert set(samples["evaluation"]) == set(range(20)) - {7}
 
 
-def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy, monkeypatch):
     with Store.open(run_copy / "run.db", read_only=True) as store:
         study = load_study(Document("run", store.read_study()))
         [record] = store.read_records(TARGETS, 0, 1)
@@ -189,16 +179,14 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy: Path, monkeypa
 
 @pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
-def test_tables_are_written_in_batches_that_fit_into_memory(
-    run_copy: Path, call: Callable[..., Any], exported: Path, monkeypatch: pytest.MonkeyPatch, format: str
-) -> None:
+def test_tables_are_written_in_batches_that_fit_into_memory(run_copy, call, exported, monkeypatch, format):
     monkeypatch.setattr(tables, "MAX_ROWS", 6)
     monkeypatch.setattr(tables, "SAMPLES", 2000)
-    sizes: list[int] = []
+    sizes = []
     write = table_files.FORMATS[format]
 
-    def watching(path: Path, columns: Any, batches: Any) -> int:
-        def each() -> Any:
+    def watching(path, columns, batches):
+        def each():
             for batch in batches:
                 sizes.append(len(batch["evaluation"]))
                 yield batch
@@ -218,9 +206,7 @@ def test_tables_are_written_in_batches_that_fit_into_memory(
 
 
 @pytest.mark.peers
-def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(
-    run_copy: Path, call: Callable[..., Any]
-) -> None:
+def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(run_copy, call):
     folder = run_copy / "data"
     assert call("export-data", "run", "--format", "parquet", "--trajectories").exit_code == 0
     (folder / "notes.txt").write_text("mine")
@@ -235,13 +221,11 @@ def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError("no space left")])
-def test_interrupted_or_failed_it_leaves_what_was_there(
-    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, error: Any
-) -> None:
+def test_interrupted_or_failed_it_leaves_what_was_there(run_copy, call, monkeypatch, error):
     assert call("export-data", "run").exit_code == 0
     before = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
 
-    def stopping(path: Path, columns: Any, batches: Any) -> int:
+    def stopping(path, columns, batches):
         path.write_text("half")
         raise error
 
@@ -254,9 +238,7 @@ def test_interrupted_or_failed_it_leaves_what_was_there(
         assert [path.name for path in run_copy.parent.iterdir()] == ["run"]
 
 
-def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
-    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(run_copy, call, monkeypatch):
     with Store.open(run_copy / "run.db") as writer:
         study, late = writer.read_study(), writer.read_record(19, TARGETS)
     connection = sqlite3.connect(run_copy / "run.db")
@@ -267,7 +249,7 @@ def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
     write = table_files.FORMATS["csv"]
     with Store.open(run_copy / "run.db") as writer:
 
-        def while_another_writes(path: Path, columns: Any, batches: Any) -> int:
+        def while_another_writes(path, columns, batches):
             rows = write(path, columns, batches)
             if path.name == "evaluations.csv":
                 writer.add([late], TARGETS)
@@ -283,9 +265,7 @@ def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
     assert sorted(set(column_of(Path("run/data/trajectories.csv"), "evaluation"))) == expected
 
 
-def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(
-    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(run_copy, call, monkeypatch):
     monkeypatch.setattr(table_files, "find_spec", lambda name: None)
     result = call("export-data", "run", "--format", "parquet")
     assert result.exit_code == 1

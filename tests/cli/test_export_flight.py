@@ -2,22 +2,17 @@
 
 import csv
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-
-Call = Callable[..., Any]
-Refused = Callable[..., str]
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 QUICK = ("--scenario", "paper", "--simulator", "native")
 
 
 @pytest.mark.peers
-def test_a_flight_in_four_formats(call: Call) -> None:
+def test_a_flight_in_four_formats(call):
     import polars
 
     formats = ("--format", "csv,parquet,mcap,rosbag1,rosbag2")
@@ -38,7 +33,7 @@ def test_a_flight_in_four_formats(call: Call) -> None:
 
 
 @pytest.mark.long
-def test_it_is_the_flight_that_simulate_shows(call: Call) -> None:
+def test_it_is_the_flight_that_simulate_shows(call):
     assert call("simulate", WORD, *QUICK, "--out", "s").exit_code == 0
     assert call("export-flight", WORD, *QUICK, "--rate-hz", "0", "--out", "f").exit_code == 0
     [path] = Path("f").glob("*.csv")
@@ -50,7 +45,7 @@ def test_it_is_the_flight_that_simulate_shows(call: Call) -> None:
     )
 
 
-def test_a_rate_gives_samples_that_are_evenly_apart(call: Call) -> None:
+def test_a_rate_gives_samples_that_are_evenly_apart(call):
     result = call("export-flight", WORD, *QUICK, "--rate-hz", "50", "--json")
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
@@ -62,7 +57,7 @@ def test_a_rate_gives_samples_that_are_evenly_apart(call: Call) -> None:
 
 
 @pytest.mark.peers
-def test_options_of_a_recorder_and_another_scenario(call: Call) -> None:
+def test_options_of_a_recorder_and_another_scenario(call):
     result = call(
         *("export-flight", WORD, "--scenario", "leak-search", "--format", "mcap", "--json"),
         *("--set", "recorder.mcap.namespace=diver", "--rate-hz", "5"),
@@ -72,7 +67,7 @@ def test_options_of_a_recorder_and_another_scenario(call: Call) -> None:
     assert "/diver/concentration" in file["topics"] and "/diver/odom" in file["topics"]
 
 
-def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
+def test_a_flight_that_failed_is_written_and_told_as_failed(call):
     result = call("export-flight", WORD, *QUICK, "--set", "simulator.step_limit=20", "--out", "f")
     assert result.exit_code == 1
     assert "step limit" in result.stderr and "the files hold the flight until then" in result.stderr
@@ -92,5 +87,5 @@ def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
         (("--scenario", "pipe-inspektion"), "did you mean 'pipe-inspection'?"),
     ],
 )
-def test_what_is_wrong_is_one_line(refused: Refused, arguments: tuple[str, ...], reason: str) -> None:
+def test_what_is_wrong_is_one_line(refused, arguments, reason):
     assert reason in refused("export-flight", WORD, *QUICK, *arguments)

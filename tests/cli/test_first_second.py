@@ -8,10 +8,8 @@ import subprocess
 import sys
 import sysconfig
 import time
-from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 from processes import is_alive, wait_until
@@ -38,7 +36,7 @@ RUN = ("paper", "--target", "TP1", "--evaluations", 12, "--seed", 1, "--workers"
 
 @posix
 @pytest.mark.parametrize("name", ["typer", "driftform.cli.help", "numpy", "driftform.study.study"])
-def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path: Path, fake_plugin: Path, name: str) -> None:
+def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path, fake_plugin, name):
     # Python runs this module before the program.
     (tmp_path / "sitecustomize.py").write_text(INTERRUPTED.format(name=name), encoding="utf-8")
     command = [str(Path(sys.executable).with_name("driftform")), "evolve", *map(str, RUN), "--out", "run"]
@@ -54,9 +52,7 @@ def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path: Path, 
 
 @posix
 @pytest.mark.parametrize("streams", ["1>&-", "2>&-", "0<&- 1>&- 2>&-"])
-def test_a_run_whose_streams_are_closed_is_that_of_open_ones(
-    tmp_path: Path, fake_plugin: Path, rows: Callable[[Path], list[tuple[object, ...]]], streams: str
-) -> None:
+def test_a_run_whose_streams_are_closed_is_that_of_open_ones(tmp_path, fake_plugin, rows, streams):
     program = Path(sys.executable).with_name("driftform")
     for name, closed in (("open", ""), ("closed", streams)):
         command = f"'{program}' evolve {' '.join(map(str, RUN))} --out {name} {closed}"
@@ -72,9 +68,7 @@ def test_a_run_whose_streams_are_closed_is_that_of_open_ones(
     assert rows(tmp_path / "closed") == rows(tmp_path / "open")
 
 
-def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").touch()
     monkeypatch.setattr(kernel_cache, "BASE", tmp_path / "file" / "cache")
     monkeypatch.setattr(kernel_cache, "gettempdir", lambda: str(tmp_path))
@@ -87,9 +81,7 @@ def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(
     )
 
 
-def test_an_announcement_from_the_future_does_not_silence_this_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_announcement_from_the_future_does_not_silence_this_one(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(kernel_cache, "BASE", tmp_path)
     kernel_cache.announce.__wrapped__(15)
     # The clock has jumped back since.
@@ -99,19 +91,14 @@ def test_an_announcement_from_the_future_does_not_silence_this_one(
     assert capsys.readouterr().err.count("compiling the equations of motion") == 2
 
 
-Call = Callable[..., Any]
-Rows = Callable[[Path], list[tuple[Any, ...]]]
-Start = Callable[..., subprocess.Popen[str]]
-
-
 @pytest.fixture
-def here(fakes: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def here(fakes, monkeypatch):
     """Evaluations are made in this process."""
     monkeypatch.setattr("driftform.search.executors._make_executor", lambda study, *_: InProcess(study.make_pipeline()))
 
 
 @contextmanager
-def files_of_at_most(size: int) -> Iterator[None]:
+def files_of_at_most(size):
     """Let no file of this process grow beyond a size, as on a disk that is full then."""
     import resource
 
@@ -131,9 +118,7 @@ SIZES = [0, 1, 100, 512, 1024, 2048, 3000, 4096, 8192, 16_384, 30_000, 50_000, 7
 @pytest.mark.parametrize(
     "size", [pytest.param(s, marks=() if s in (0, 4096, 8192, 100_000) else pytest.mark.slow) for s in SIZES]
 )
-def test_a_full_disk_is_one_line_with_a_name_and_what_it_leaves_goes_on_when_there_is_room(
-    call: Call, rows: Rows, tmp_path: Path, size: int
-) -> None:
+def test_a_full_disk_is_one_line_with_a_name_and_what_it_leaves_goes_on_when_there_is_room(call, rows, tmp_path, size):
     with files_of_at_most(size):
         result = call("evolve", *RUN, "--out", "run")
     assert isinstance(result.exception, SystemExit), result.exception
@@ -159,9 +144,7 @@ def test_a_full_disk_is_one_line_with_a_name_and_what_it_leaves_goes_on_when_the
 
 
 @pytest.mark.usefixtures("here")
-def test_a_clock_that_jumps_back_changes_no_result(
-    call: Call, rows: Rows, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_clock_that_jumps_back_changes_no_result(call, rows, tmp_path, monkeypatch):
     assert call("evolve", *RUN, "--out", "whole").exit_code == 0
     hours = itertools.count()
     with monkeypatch.context() as jumping:
@@ -173,7 +156,7 @@ def test_a_clock_that_jumps_back_changes_no_result(
     assert rows(tmp_path / "jumping") == rows(tmp_path / "whole")
 
 
-def test_without_a_home_and_a_cache_the_program_works(fake_plugin: Path, tmp_path: Path) -> None:
+def test_without_a_home_and_a_cache_the_program_works(fake_plugin, tmp_path):
     # Below a file nobody can write, not even the superuser of a container.
     (tmp_path / "file").touch()
     names = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "LOCALAPPDATA", "USERPROFILE")
@@ -192,7 +175,7 @@ def test_without_a_home_and_a_cache_the_program_works(fake_plugin: Path, tmp_pat
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 @pytest.mark.parametrize("delay", [0.0, 0.3, 3.0], ids=["workers start", "workers import", "workers fly"])
-def test_killed_in_long_flights_it_leaves_no_process(start: Start, tmp_path: Path, delay: float) -> None:
+def test_killed_in_long_flights_it_leaves_no_process(start, tmp_path, delay):
     words = ("evolve", *RUN[:-4], "--workers", 2, "--simulator", "fake", "--set", "simulator.pause=600", "--out", "run")
     with start(*words, cwd=tmp_path) as process:
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children")

@@ -1,26 +1,21 @@
 """Genomes of a grammar that a plugin adds are read and written as its own text."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-Call = Callable[..., Any]
 
 pytestmark = [pytest.mark.usefixtures("fakes")]
 
 LETTERS = ("--set", "grammar.use=letters")
 
 
-def test_a_genome_is_read_by_the_grammar_of_the_settings(call: Call) -> None:
+def test_a_genome_is_read_by_the_grammar_of_the_settings(call):
     found = call("inspect", "abcabcabcabc", *LETTERS, "--json")
     assert found.exit_code == 0, found.stderr
     assert json.loads(found.stdout)["genome"] == "abcabcabcabc"
 
 
-def test_a_genome_of_the_report_can_be_copied_to_a_command(call: Call, tmp_path: Path) -> None:
+def test_a_genome_of_the_report_can_be_copied_to_a_command(call, tmp_path):
     study = ("evolve", "paper", "--simulator", "fake", "--strategy", "random", "--target", "TP1")
     call(*study, *LETTERS, "--evaluations", 4, "--seed", 1, "--workers", 1, "--out", "run")
     genome = json.loads(call("inspect", "run:TP1", "--json").stdout)["genome"]
@@ -29,7 +24,7 @@ def test_a_genome_of_the_report_can_be_copied_to_a_command(call: Call, tmp_path:
     assert f"<code>{genome}</code>" in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_genome_that_looks_like_an_option_is_explained(call: Call) -> None:
+def test_a_genome_that_looks_like_an_option_is_explained(call):
     result = call("inspect", "-0.5,0.2")
     assert result.exit_code == 2
     assert "put '--' before a value that begins with a minus sign, after all options" in result.stderr

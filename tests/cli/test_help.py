@@ -1,11 +1,7 @@
 """``--help`` and ``--version``; and readers that stop reading."""
 
-import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
 
 import pytest
 import typer
@@ -14,10 +10,8 @@ import driftform
 from driftform.cli.app import app
 from driftform.cli.help import DESIGN, FILES, NETWORKS, WORKSHOP
 
-Call = Callable[..., Any]
 
-
-def every_command(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+def every_command(group, words=()):
     """The words of all commands, and of their groups."""
     yield words
     for name, command in {**group.commands, **group.list_added()}.items():
@@ -27,7 +21,7 @@ def every_command(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple[str
             yield (*words, name)
 
 
-def test_version_and_a_usage_line_without_braces_for_every_command(call: Call) -> None:
+def test_version_and_a_usage_line_without_braces_for_every_command(call):
     assert call("--version").stdout == f"driftform {driftform.__version__}\n"
     assert "Usage" in call().output
     commands = list(every_command(typer.main.get_group(app)))
@@ -39,7 +33,7 @@ def test_version_and_a_usage_line_without_braces_for_every_command(call: Call) -
     assert call("calibrate", "--help").stdout.startswith("Usage: driftform calibrate [OPTIONS] AGENT TRACK...\n")
 
 
-def test_commands_are_listed_in_four_groups(call: Call) -> None:
+def test_commands_are_listed_in_four_groups(call):
     titles = [line for line in call("--help").stdout.splitlines() if line and line[0] not in " -"][1:]
     # Only the plugin for water networks, an extra, has commands of their group.
     there = (DESIGN, FILES, *([NETWORKS] if find_spec("driftform_networks") else []), WORKSHOP)
@@ -48,9 +42,7 @@ def test_commands_are_listed_in_four_groups(call: Call) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="closes a POSIX pipe")
 @pytest.mark.parametrize("args", [("plugins",), ("scenarios", "show", "pipe-inspection"), ("--help",)])
-def test_a_reader_that_stops_early_sees_no_traceback(
-    start: Callable[..., subprocess.Popen[str]], tmp_path: Path, args: tuple[str, ...]
-) -> None:
+def test_a_reader_that_stops_early_sees_no_traceback(start, tmp_path, args):
     with start(*args, cwd=tmp_path) as process:
         assert process.stdout is not None
         assert process.stderr is not None

@@ -3,9 +3,7 @@
 import ast
 import json
 import sqlite3
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -34,14 +32,12 @@ EVIL = [
 ]
 
 
-def everything(folder: Path) -> set[Path]:
+def everything(folder):
     return set(folder.rglob("*"))
 
 
 @pytest.mark.parametrize("name", EVIL)
-def test_the_name_of_an_agent_leads_nowhere_else(
-    call: Callable[..., Any], agent_document: dict[str, Any], tmp_path: Path, name: str
-) -> None:
+def test_the_name_of_an_agent_leads_nowhere_else(call, agent_document, tmp_path, name):
     deep = tmp_path / "a" / "b" / "c"
     deep.mkdir(parents=True)
     agent_document["name"] = name
@@ -63,7 +59,7 @@ def test_the_name_of_an_agent_leads_nowhere_else(
 
 
 @given(st.text())
-def test_a_safe_stem_is_one_part_of_a_path_and_not_hidden(name: str) -> None:
+def test_a_safe_stem_is_one_part_of_a_path_and_not_hidden(name):
     stem = safe_stem(name)
     assert stem
     assert Path(stem).name == stem
@@ -76,9 +72,7 @@ def test_a_safe_stem_is_one_part_of_a_path_and_not_hidden(name: str) -> None:
 
 @given(text=st.one_of(st.sampled_from(EVIL), st.text(max_size=30)), where=st.integers(0, 59))
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_nasty_symbol_is_refused_in_one_line(
-    call: Callable[..., Any], agent_document: dict[str, Any], tmp_path: Path, text: str, where: int
-) -> None:
+def test_a_nasty_symbol_is_refused_in_one_line(call, agent_document, tmp_path, text, where):
     known = agent_document["genome"]["symbols"][where]
     if text == known:
         return
@@ -98,9 +92,7 @@ def test_a_nasty_symbol_is_refused_in_one_line(
 
 @pytest.mark.parametrize("evil", EVIL)
 @pytest.mark.parametrize("key", ["title", "use", "option", "table"])
-def test_nasty_strings_in_a_study_are_only_strings(
-    call: Callable[..., Any], tmp_path: Path, evil: str, key: str
-) -> None:
+def test_nasty_strings_in_a_study_are_only_strings(call, tmp_path, evil, key):
     lines = {
         "title": f"title = {json.dumps(evil)}",
         "use": f"[simulator]\nuse = {json.dumps(evil)}",
@@ -122,9 +114,7 @@ def test_nasty_strings_in_a_study_are_only_strings(
     assert everything(tmp_path) == {path}
 
 
-def test_statements_in_symbols_and_failures_stay_text(
-    call: Callable[..., Any], run_copy: Path, rows: Callable[..., Any]
-) -> None:
+def test_statements_in_symbols_and_failures_stay_text(call, run_copy, rows):
     connection = sqlite3.connect(run_copy / "run.db")
     evil = "'; DROP TABLE evaluation; --"
     connection.execute("UPDATE evaluation SET symbols = ?, population = ?", (json.dumps([evil]), evil))
@@ -138,7 +128,7 @@ def test_statements_in_symbols_and_failures_stay_text(
     assert rows(run_copy) == before
 
 
-def test_no_module_unpickles_or_evaluates() -> None:
+def test_no_module_unpickles_or_evaluates():
     """A look at the source, for what the tests above may have missed."""
     forbidden = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
     package = Path(driftform.__path__[0])

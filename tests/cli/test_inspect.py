@@ -2,8 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,16 +14,14 @@ FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 NATIVE = ("--set", "simulator.use=native")
 """Its flights, from which the sensitivities follow, take less time."""
 
-Call = Callable[..., Any]
-
 
 @pytest.fixture
-def facts(call: Call) -> dict[str, Any]:
-    document: dict[str, Any] = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json").stdout)
+def facts(call):
+    document = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json").stdout)
     return document
 
 
-def test_inspect_tells_the_modules_of_figure_2_from_aft_to_fore(facts: dict[str, Any]) -> None:
+def test_inspect_tells_the_modules_of_figure_2_from_aft_to_fore(facts):
     assert [(m["side"], m["length"], m["tilt_deg"]) for m in facts["modules"]] == [
         ("aft", 0.01, pytest.approx(10)),
         ("aft", 0.0025, pytest.approx(-20)),
@@ -34,7 +30,7 @@ def test_inspect_tells_the_modules_of_figure_2_from_aft_to_fore(facts: dict[str,
     assert facts["genome"] == FIGURE_2
 
 
-def test_inspect_has_the_fields_of_the_contract(facts: dict[str, Any]) -> None:
+def test_inspect_has_the_fields_of_the_contract(facts):
     assert facts["length"] > facts["modules"][0]["length"]
     assert 0.02 < facts["max_diameter"] < 0.03
     assert facts["mass"] == pytest.approx(facts["hull_mass"] + facts["core_mass"])
@@ -49,9 +45,7 @@ def test_inspect_has_the_fields_of_the_contract(facts: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(("density", "gravity"), [(1024.0, 9.81), (1.0, 9.81), (20_000.0, 1.62)])
-def test_net_buoyancy_is_that_of_the_displaced_water_less_the_weight(
-    call: Call, density: float, gravity: float
-) -> None:
+def test_net_buoyancy_is_that_of_the_displaced_water_less_the_weight(call, density, gravity):
     settings = ("--set", f"fluid.density={density}", "--set", f"fluid.gravity={gravity}")
     facts = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json", *settings).stdout)
     expected = density * facts["volume"] * gravity - facts["mass"] * gravity
@@ -60,7 +54,7 @@ def test_net_buoyancy_is_that_of_the_displaced_water_less_the_weight(
     assert ("floats" if expected > 0 else "sinks") in text
 
 
-def test_inspect_prints_the_same_numbers_with_their_units(call: Call, facts: dict[str, Any]) -> None:
+def test_inspect_prints_the_same_numbers_with_their_units(call, facts):
     text = call("inspect", FIGURE_2, *NATIVE).stdout
     printed = {
         "length": (facts["length"], 1e3, "mm"),
@@ -83,7 +77,7 @@ def test_inspect_prints_the_same_numbers_with_their_units(call: Call, facts: dic
     assert "kg, kg m, kg m2" in text
 
 
-def test_inspect_tells_how_the_body_moves(call: Call) -> None:
+def test_inspect_tells_how_the_body_moves(call):
     facts = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json").stdout)
     weight, buoyancy = 9.81 * facts["mass"], 9.81 * 1024 * facts["volume"]
     assert facts["righting_moment"] == pytest.approx(buoyancy * abs(facts["cob"][0] - facts["cog"][0]))
@@ -96,7 +90,7 @@ def test_inspect_tells_how_the_body_moves(call: Call) -> None:
     assert len(facts["rest"]["eigenvalues"]) == 12
 
 
-def test_inspect_compares_all_models_about_one_point(call: Call) -> None:
+def test_inspect_compares_all_models_about_one_point(call):
     facts = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json", "--compare").stdout)
     assert "striptheory" in facts["compare"]
     ours = np.array(facts["compare"]["striptheory"])
@@ -106,7 +100,7 @@ def test_inspect_compares_all_models_about_one_point(call: Call) -> None:
 
 
 @pytest.mark.long
-def test_inspect_compares_the_models_that_are_installed_as_the_study_has_them(call: Call) -> None:
+def test_inspect_compares_the_models_that_are_installed_as_the_study_has_them(call):
     settings = ("--set", "hydrodynamics.m11=volume")
     facts = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json", "--compare", *settings).stdout)
     assert set(facts["compare"]) >= {"striptheory", "panels"}
@@ -116,13 +110,13 @@ def test_inspect_compares_the_models_that_are_installed_as_the_study_has_them(ca
     assert usual["panels"] == facts["compare"]["panels"]
 
 
-def warnings_of(call: Call, agent: str, *settings: str) -> str:
+def warnings_of(call, agent, *settings):
     options = [option for setting in settings for option in ("--set", setting)]
     return "\n".join(json.loads(call("inspect", agent, *NATIVE, "--json", *options).stdout)["warnings"])
 
 
 @pytest.mark.long
-def test_inspect_warns_of_what_is_far_from_neutral(call: Call) -> None:
+def test_inspect_warns_of_what_is_far_from_neutral(call):
     # Release at the axis of a pipe of 1 m radius: t^2 = 2 (1 m) (m + m_added) / net weight.
     facts = json.loads(call("inspect", FIGURE_2, *NATIVE, "--json").stdout)
     time = np.sqrt(2 * (facts["mass"] + facts["added_mass"][2][2]) / abs(facts["net_buoyancy"]))
@@ -133,13 +127,13 @@ def test_inspect_warns_of_what_is_far_from_neutral(call: Call) -> None:
     assert "the wall" not in warnings_of(call, FIGURE_2, "fluid.gravity=0")
 
 
-def test_inspect_warns_of_a_core_denser_than_lead(call: Call) -> None:
+def test_inspect_warns_of_a_core_denser_than_lead(call):
     # A sphere of 10 mm radius has 4.19 cm3: 47.5 g of lead.
     assert "denser than lead: 11937 kg/m3" in warnings_of(call, FIGURE_2)
     assert "lead" not in warnings_of(call, FIGURE_2, "builder.core_mass=0.047")
 
 
-def test_inspect_warns_of_what_fits_on_no_common_bed(call: Call) -> None:
+def test_inspect_warns_of_what_fits_on_no_common_bed(call):
     long = "-".join(f"addB-tilt{'np'[k % 2]}-1-L-moveB" for k in range(30))
     facts = json.loads(call("inspect", long, *NATIVE, "--json").stdout)
     assert facts["length"] > 0.25

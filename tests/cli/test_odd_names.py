@@ -1,21 +1,14 @@
 """Names that a terminal, an encoding or a file system finds odd: shown with escapes, and no reason to stop."""
 
 import os
-import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 pytestmark = pytest.mark.long
 
-Call = Callable[..., Any]
-Program = Callable[..., subprocess.CompletedProcess[str]]
 
-
-def test_a_title_cannot_steer_the_terminal(call: Call, tmp_path: Path) -> None:
+def test_a_title_cannot_steer_the_terminal(call, tmp_path):
     (tmp_path / "study.toml").write_text('base = "paper"\ntitle = "\\u001b[2Jcleared"\n')
     result = call("scenarios", "check", "study.toml")
     assert result.exit_code == 0, result.stderr
@@ -23,9 +16,7 @@ def test_a_title_cannot_steer_the_terminal(call: Call, tmp_path: Path) -> None:
     assert "\\x1b[2Jcleared" in result.stdout
 
 
-def test_letters_that_the_encoding_of_the_terminal_lacks_are_shown_as_escapes(
-    run: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_letters_that_the_encoding_of_the_terminal_lacks_are_shown_as_escapes(run, tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
     (tmp_path / "study.toml").write_text('base = "paper"\ntitle = "\u03a9"\n', encoding="utf-8")
     result = run("scenarios", "check", "study.toml", cwd=tmp_path)
@@ -34,7 +25,7 @@ def test_letters_that_the_encoding_of_the_terminal_lacks_are_shown_as_escapes(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other file systems want names that are text")
-def test_a_run_directory_may_have_a_name_of_any_bytes(run: Program, tmp_path: Path) -> None:
+def test_a_run_directory_may_have_a_name_of_any_bytes(run, tmp_path):
     name = os.fsdecode(b"r\xff\xe9")
     study = ("paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4, "--seed", 1)
     for args in (

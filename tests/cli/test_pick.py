@@ -3,10 +3,8 @@
 import json
 import shutil
 import sqlite3
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,12 +19,12 @@ ANYWHERE = ("4.2", "0", "-0.35")
 
 
 @pytest.fixture(scope="module")
-def flights(finished_run) -> dict[int, Any]:
+def flights(finished_run):
     with Store.open(finished_run[0] / "run.db", read_only=True) as store:
         return dict(store.read_trajectories())
 
 
-def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy: Path, flights) -> None:
+def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy, flights):
     result = call("pick", run_copy, *ANYWHERE, "--json")
     told = json.loads(result.stdout)
     point = np.array([[float(value) for value in ANYWHERE]])
@@ -37,14 +35,14 @@ def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy: Path, 
     assert told["point"] == [4.2, 0.0, -0.35]
 
 
-def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy: Path, finished_run) -> None:
+def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy, finished_run):
     told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
     picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
     assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
     assert StoredAgent.read(Path(picked["agent"])).genome == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
 
 
-def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy: Path) -> None:
+def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy):
     picked = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
     place = ", ".join(ANYWHERE).replace("0,", "0.0,")
     flown = call("simulate", picked["agent"], "--set", f"targets={{here=[{place}]}}", "--json")
@@ -55,7 +53,7 @@ def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, ru
     assert here["t"] == pytest.approx(picked["t"], abs=1e-3)
 
 
-def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> None:
+def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy):
     result = call("pick", run_copy, *ANYWHERE)
     assert result.exit_code == 0
     path = run_copy / "picks" / "4.2_0_-0.35" / "agent.json"
@@ -67,20 +65,20 @@ def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> 
 
 
 @pytest.mark.parametrize("z", ["-0.9", "-9e-1", "-.9"])
-def test_a_negative_coordinate_is_no_option_and_options_may_stand_before(call, run_copy: Path, z: str) -> None:
+def test_a_negative_coordinate_is_no_option_and_options_may_stand_before(call, run_copy, z):
     told = json.loads(call("pick", run_copy, "4.0", "-0.0", z, "--json").stdout)
     assert told["point"][2] == -0.9
     assert json.loads(call("pick", "--json", run_copy, "4", "0", "-.9").stdout)["point"] == [4.0, 0.0, -0.9]
 
 
-def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_run(call, run_copy: Path) -> None:
+def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_run(call, run_copy):
     before = (run_copy / "run.db").read_bytes()
     with lock_run(run_copy):
         assert call("pick", run_copy, *ANYWHERE).exit_code == 0
     assert (run_copy / "run.db").read_bytes() == before
 
 
-def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -> None:
+def test_what_a_writer_has_just_stored_is_found(call, run_copy, flights):
     # The writer keeps its log: what it adds is not in the file itself yet.
     with Store.open(run_copy / "run.db") as writer:
         last = writer.read_record(19, ("TP1", "TP7"))
@@ -115,15 +113,11 @@ def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -
         (("4", "0", "0", "--jsn"), "--jsn"),
     ],
 )
-def test_a_point_that_is_none_is_refused(
-    refused: Callable[..., str], run_copy: Path, point: tuple[str, ...], told: str
-) -> None:
+def test_a_point_that_is_none_is_refused(refused, run_copy, point, told):
     assert told in refused("pick", run_copy, *point)
 
 
-def test_a_run_without_a_sound_flight_has_nothing_to_pick(
-    refused: Callable[..., str], run_copy: Path, tmp_path: Path
-) -> None:
+def test_a_run_without_a_sound_flight_has_nothing_to_pick(refused, run_copy, tmp_path):
     with Store.open(run_copy / "run.db") as store:
         document = store.read_study()
     shutil.rmtree(run_copy)
@@ -136,9 +130,7 @@ def test_a_run_without_a_sound_flight_has_nothing_to_pick(
     assert "has no evaluation yet that did not fail" in line and "driftform resume" in line
 
 
-def test_an_unchecked_flight_is_flown_again_and_may_turn_out_not_to_be_the_closest(
-    call, run_copy: Path, flights
-) -> None:
+def test_an_unchecked_flight_is_flown_again_and_may_turn_out_not_to_be_the_closest(call, run_copy, flights):
     before = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
     worse = next(index for index in flights if index != before["evaluation"])
     flight, point = flights[worse], np.array([float(value) for value in ANYWHERE])
@@ -152,7 +144,7 @@ def test_an_unchecked_flight_is_flown_again_and_may_turn_out_not_to_be_the_close
     assert json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout) == before
 
 
-def test_an_unchecked_flight_is_picked_with_the_distance_of_its_checked_flight(call, run_copy: Path) -> None:
+def test_an_unchecked_flight_is_picked_with_the_distance_of_its_checked_flight(call, run_copy):
     before = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
     with sqlite3.connect(run_copy / "run.db") as connection:
         connection.execute("UPDATE evaluation SET error = NULL")

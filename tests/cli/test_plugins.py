@@ -1,12 +1,8 @@
 """``plugins``: what is installed, and the options of each."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-
-Call = Callable[..., Any]
 
 BUILT_IN = {
     ("grammar", "lsystem"),
@@ -22,7 +18,7 @@ BUILT_IN = {
 
 
 @pytest.mark.parametrize("args", [("plugins",), ("plugins", "list")])
-def test_plugins_are_listed_by_seam_with_where_they_come_from(call: Call, args: tuple[str, ...]) -> None:
+def test_plugins_are_listed_by_seam_with_where_they_come_from(call, args):
     rows = json.loads(call(*args, "--json").stdout)["plugins"]
     assert {(row["seam"], row["name"]) for row in rows} >= BUILT_IN
     assert all(row.keys() == {"seam", "name", "distribution", "version", "state"} for row in rows)
@@ -31,12 +27,12 @@ def test_plugins_are_listed_by_seam_with_where_they_come_from(call: Call, args: 
     assert len(lines) == 1 + len(rows)
 
 
-def test_json_may_stand_before_or_after_list(call: Call) -> None:
+def test_json_may_stand_before_or_after_list(call):
     for group in ("plugins", "scenarios"):
         assert json.loads(call(group, "list", "--json").stdout) == json.loads(call(group, "--json").stdout)
 
 
-def test_a_plugin_of_someone_else_is_listed_and_shown(call: Call, fakes: None) -> None:
+def test_a_plugin_of_someone_else_is_listed_and_shown(call, fakes):
     rows = json.loads(call("plugins", "--json").stdout)["plugins"]
     assert {
         "seam": "simulator",
@@ -50,7 +46,7 @@ def test_a_plugin_of_someone_else_is_listed_and_shown(call: Call, fakes: None) -
     assert "share of the genomes that end their process" in text
 
 
-def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> None:
+def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call):
     [entry] = json.loads(call("plugins", "show", "frusta", "--json").stdout)["plugins"]
     options = {option["option"]: option for option in entry["options"]}
     assert options["hull_density"]["unit"] == "kg/m3"
@@ -61,7 +57,7 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> 
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
 
 
-def test_a_plugin_that_derives_from_ours_does_not_show_its_description(call: Call, fakes: None) -> None:
+def test_a_plugin_that_derives_from_ours_does_not_show_its_description(call, fakes):
     """What another class says of itself may be untrue of this one."""
     entries = json.loads(call("plugins", "show", "heir", "--json").stdout)["plugins"]
     assert [entry["summary"] for entry in entries] == [""]

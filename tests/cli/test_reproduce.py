@@ -5,7 +5,6 @@ import signal
 import sqlite3
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
-def reproduced(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+def reproduced(start, tmp_path_factory):
     """Two repeats of each search."""
     out = tmp_path_factory.mktemp("reproduction") / "out"
     process = start(
@@ -29,7 +28,7 @@ def reproduced(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pa
     return out, json.loads(printed)
 
 
-def errors_of(directory: Path) -> tuple[list[str], np.ndarray, list[str]]:
+def errors_of(directory):
     """Populations, errors (flights, targets) and targets of a run, read past driftform."""
     with sqlite3.connect(directory / "run.db") as db:
         populations = [row[0] for row in db.execute("SELECT population FROM evaluation ORDER BY id")]
@@ -41,7 +40,7 @@ def errors_of(directory: Path) -> tuple[list[str], np.ndarray, list[str]]:
     return populations, errors, names
 
 
-def test_the_table_is_that_of_fifty_flights_for_each_target(reproduced: tuple[Path, dict[str, Any]]) -> None:
+def test_the_table_is_that_of_fifty_flights_for_each_target(reproduced):
     out, document = reproduced
     for target in ("TP1", "TP7"):
         own, blocks = [], []
@@ -60,13 +59,11 @@ def test_the_table_is_that_of_fifty_flights_for_each_target(reproduced: tuple[Pa
             assert told["worst"] == pytest.approx(np.max(expected))
 
 
-def test_agents_that_are_flown_again_in_the_same_water_do_exactly_the_same(
-    reproduced: tuple[Path, dict[str, Any]],
-) -> None:
+def test_agents_that_are_flown_again_in_the_same_water_do_exactly_the_same(reproduced):
     assert all(row["resimulated_std"] == 0 for row in reproduced[1]["targets"].values())
 
 
-def test_tables_and_figures_are_where_they_are_said_to_be(reproduced: tuple[Path, dict[str, Any]]) -> None:
+def test_tables_and_figures_are_where_they_are_said_to_be(reproduced):
     out, document = reproduced
     text = Path(document["results"]).read_text()
     assert text.count("| TP10 |") == 2
@@ -78,9 +75,7 @@ def test_tables_and_figures_are_where_they_are_said_to_be(reproduced: tuple[Path
     assert (out / "figures" / "fitness.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(
-    reproduced: tuple[Path, dict[str, Any]], start: Any, tmp_path: Path
-) -> None:
+def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(reproduced, start, tmp_path):
     out = tmp_path / "again"
     command = ("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", out, "--workers", "2")
     process = start(*command, cwd=tmp_path)
@@ -100,7 +95,7 @@ def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(
     assert (out / "results.md").read_text() == (reproduced[0] / "results.md").read_text()
 
 
-def test_other_settings_in_the_same_directory_are_refused(reproduced: tuple[Path, dict[str, Any]], start: Any) -> None:
+def test_other_settings_in_the_same_directory_are_refused(reproduced, start):
     process = start(
         *("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", reproduced[0]),
         *("--set", "flow.speed=0.5"),

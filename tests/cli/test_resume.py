@@ -3,11 +3,8 @@
 import json
 import shutil
 import sqlite3
-import subprocess
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,20 +15,18 @@ from driftform.study import load_study
 
 pytestmark = pytest.mark.long
 
-Program = Callable[..., subprocess.CompletedProcess[str]]
-Rows = Callable[[Path], list[tuple[Any, ...]]]
 
 STUDY = ("paper", "--target", "TP1", "--target", "TP8", "--seed", 5, "--simulator", "fake", "--workers", 1)
 
 
-def budgets(directory: Path) -> tuple[int, int]:
+def budgets(directory):
     """What the database and resolved.toml say of the budget."""
     resolved = tomllib.loads((directory / "resolved.toml").read_text())
     with Store.open(directory / "run.db", read_only=True) as store:
         return store.read_study()["run"]["evaluations"], resolved["run"]["evaluations"]
 
 
-def set_budget(directory: Path, evaluations: int) -> None:
+def set_budget(directory, evaluations):
     """As if the run had been stopped on its way to a larger budget."""
     with Store.open(directory / "run.db") as store:
         study = store.read_study()
@@ -41,10 +36,8 @@ def set_budget(directory: Path, evaluations: int) -> None:
 @pytest.mark.usefixtures("fakes")
 @pytest.mark.parametrize("strategy", ["paper", "random"])
 @pytest.mark.parametrize("first", [1, 47, 60], ids=["one", "within a generation", "between generations"])
-def test_more_evaluations_are_those_of_a_run_that_had_them_from_the_start(
-    tmp_path: Path, rows: Rows, strategy: str, first: int
-) -> None:
-    def to(evaluations: int, store: Store) -> None:
+def test_more_evaluations_are_those_of_a_run_that_had_them_from_the_start(tmp_path, rows, strategy, first):
+    def to(evaluations, store):
         study = load_study(
             use={"simulator": "fake", "strategy": strategy},
             targets=["TP1", "TP6"],
@@ -62,7 +55,7 @@ def test_more_evaluations_are_those_of_a_run_that_had_them_from_the_start(
 
 
 @pytest.fixture(scope="module")
-def sixty(run: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sixty(run, tmp_path_factory):
     """A finished run; not to be changed."""
     cwd = tmp_path_factory.mktemp("sixty")
     result = run("evolve", *STUDY, "--evaluations", 60, "--out", "run", cwd=cwd)
@@ -71,7 +64,7 @@ def sixty(run: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def more(run: Program, sixty: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def more(run, sixty, tmp_path_factory):
     """The same with twice the budget, and what was told of the second half; not to be changed."""
     cwd = tmp_path_factory.mktemp("more")
     shutil.copytree(sixty, cwd / "run")
@@ -82,13 +75,11 @@ def more(run: Program, sixty: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 
 @pytest.fixture
-def copy(sixty: Path, tmp_path: Path) -> Path:
+def copy(sixty, tmp_path):
     return Path(shutil.copytree(sixty, tmp_path / "run"))
 
 
-def test_resumed_with_twice_the_budget_all_files_are_those_of_a_run_that_had_it(
-    run: Program, rows: Rows, more: tuple[Path, str], tmp_path: Path
-) -> None:
+def test_resumed_with_twice_the_budget_all_files_are_those_of_a_run_that_had_it(run, rows, more, tmp_path):
     result = run("evolve", *STUDY, "--evaluations", 120, "--out", "whole", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     whole, resumed = tmp_path / "whole", more[0]
@@ -98,20 +89,18 @@ def test_resumed_with_twice_the_budget_all_files_are_those_of_a_run_that_had_it(
         assert (resumed / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_the_larger_budget_stays_with_the_run(sixty: Path, more: tuple[Path, str], tmp_path: Path) -> None:
+def test_the_larger_budget_stays_with_the_run(sixty, more, tmp_path):
     assert budgets(sixty) == (60, 60)
     assert budgets(more[0]) == (120, 120)
 
 
-def test_what_was_stored_before_is_not_told_again(more: tuple[Path, str]) -> None:
+def test_what_was_stored_before_is_not_told_again(more):
     states = [line.partition(": ")[2].split()[0] for line in more[1].splitlines()]
     counts = [int(state.partition("/")[0]) for state in states if "/120" in state]
     assert min(counts) >= 60 and counts[-1] == 120
 
 
-def test_a_run_that_stopped_early_may_be_given_less(
-    run: Program, rows: Rows, copy: Path, more: tuple[Path, str]
-) -> None:
+def test_a_run_that_stopped_early_may_be_given_less(run, rows, copy, more):
     set_budget(copy, 500)
     result = run("resume", "run", "--evaluations", 80, "--workers", 1, cwd=copy.parent)
     assert result.returncode == 0, result.stderr
@@ -120,12 +109,10 @@ def test_a_run_that_stopped_early_may_be_given_less(
     assert [row for row in rows(copy) if len(row) > 3] == evaluations
 
 
-def test_a_crash_between_database_and_resolved_study_is_made_good(
-    call: Callable[..., Any], copy: Path, fakes: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_crash_between_database_and_resolved_study_is_made_good(call, copy, fakes, monkeypatch):
     from driftform.runs import run as owner
 
-    def crashing(*_: object) -> None:
+    def crashing(*_):
         raise OSError("the power went")
 
     with monkeypatch.context() as patch:
@@ -137,16 +124,12 @@ def test_a_crash_between_database_and_resolved_study_is_made_good(
     assert budgets(copy) == (61, 61)
 
 
-def test_less_than_is_there_is_refused_and_the_run_is_left_as_it_was(
-    copy: Path, fakes: None, refused: Callable[..., str]
-) -> None:
+def test_less_than_is_there_is_refused_and_the_run_is_left_as_it_was(copy, fakes, refused):
     line = refused("resume", "run", "--evaluations", 59)
     assert line == "error: --evaluations 59 is less than run holds already; give at least 60"
 
 
-def test_what_counts_is_the_last_evaluation_and_not_how_many_there_are(
-    copy: Path, fakes: None, refused: Callable[..., str]
-) -> None:
+def test_what_counts_is_the_last_evaluation_and_not_how_many_there_are(copy, fakes, refused):
     connection = sqlite3.connect(copy / "run.db")
     connection.execute("DELETE FROM score WHERE evaluation BETWEEN 5 AND 57")
     connection.execute("DELETE FROM evaluation WHERE id BETWEEN 5 AND 57")
@@ -155,14 +138,12 @@ def test_what_counts_is_the_last_evaluation_and_not_how_many_there_are(
     assert refused("resume", "run", "--evaluations", 20).endswith("give at least 60")
 
 
-def test_a_run_that_has_ended_is_resumed_without_reading_an_evaluation_again(
-    call: Callable[..., Any], fakes: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_has_ended_is_resumed_without_reading_an_evaluation_again(call, fakes, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ended = call("evolve", *STUDY, "--evaluations", 20, "--out", "run", "--json")
     assert ended.exit_code == 0
 
-    def refuse(*_: object) -> None:
+    def refuse(*_):
         raise AssertionError("a run that has ended reads its evaluations, however many there are")
 
     for name in ("read_records", "read_summaries", "read_trajectories"):

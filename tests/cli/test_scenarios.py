@@ -2,14 +2,10 @@
 
 import json
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
-
-Call = Callable[..., Any]
 
 
-def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
+def test_a_sound_study_is_told_by_what_it_holds(call):
     lines = ['base = "paper"', "[targets]", "leak = [1, 0, 0]", "[exporter.stl]", "segments = 32"]
     Path("mine.toml").write_text("\n".join(lines))
     told = json.loads(call("scenarios", "check", "mine.toml", "--json").stdout)
@@ -23,7 +19,7 @@ def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
     assert sorted(path.name for path in Path().iterdir()) == ["mine.toml"]
 
 
-def test_all_that_is_wrong_with_a_study_is_told_with_its_line(call: Call) -> None:
+def test_all_that_is_wrong_with_a_study_is_told_with_its_line(call):
     lines = ['base = "paper"', "[flow]", "sped = 1", "[fitness]", 'use = "closest"']
     Path("mine.toml").write_text("\n".join(lines))
     for more in ((), ("--json",)):
@@ -35,7 +31,7 @@ def test_all_that_is_wrong_with_a_study_is_told_with_its_line(call: Call) -> Non
         ]
 
 
-def test_scenarios_are_listed_and_shown_as_toml_to_copy(call: Call) -> None:
+def test_scenarios_are_listed_and_shown_as_toml_to_copy(call):
     rows = json.loads(call("scenarios", "--json").stdout)["scenarios"]
     assert {row["name"]: row["targets"] for row in rows}["pipe-inspection"] == 10
     text = call("scenarios", "show", "pipe-inspection").stdout
@@ -44,7 +40,7 @@ def test_scenarios_are_listed_and_shown_as_toml_to_copy(call: Call) -> None:
     assert "pipe-inspection" in call("scenarios").stdout
 
 
-def test_a_picture_shows_what_is_wrong_with_a_study(call: Call) -> None:
+def test_a_picture_shows_what_is_wrong_with_a_study(call):
     lines = ['base = "pipe-inspection"', "[targets]", "high = [3.0, 0, 1.4]", "good = [4.0, 0, 0.2]"]
     Path("mine.toml").write_text("\n".join(lines))
     result = call("scenarios", "check", "mine.toml", "--picture", "mine.svg")

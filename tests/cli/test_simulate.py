@@ -3,9 +3,7 @@
 import json
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,10 +13,8 @@ pytestmark = pytest.mark.usefixtures("ideal_water")
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """The word of the paper's Figure 2."""
 
-Call = Callable[..., Any]
 
-
-def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call: Call) -> None:
+def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call):
     result = call("simulate", FIGURE_2, "--json", "--out", "flight", "--set", "flight.horizon=1.5")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -33,7 +29,7 @@ def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call: Cal
     assert Path("flight", "flight.svg").is_file()
 
 
-def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call: Call) -> None:
+def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call):
     paper = ("--style", "paper", "--width-mm", "85", "--set", "flight.horizon=0.5")
     result = call("simulate", FIGURE_2, "--out", "flight", *paper)
     assert result.exit_code == 0, result.stderr
@@ -48,13 +44,13 @@ def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call: Call) -> Non
         (("--width-mm", "85"), "--width-mm 85: pictures for the screen have no width in mm; add --style paper"),
     ],
 )
-def test_a_style_that_cannot_be_is_refused_before_the_flight(call: Call, options: tuple[str, ...], line: str) -> None:
+def test_a_style_that_cannot_be_is_refused_before_the_flight(call, options, line):
     result = call("simulate", FIGURE_2, *options)
     assert (result.exit_code, result.stderr) == (2, f"error: {line}\n")
     assert not Path("flights").exists()
 
 
-def test_simulate_without_targets_flies_all_the_same(call: Call) -> None:
+def test_simulate_without_targets_flies_all_the_same(call):
     settings = ("--set", "targets={}", "--set", "flight.horizon=0.5")
     result = call("simulate", FIGURE_2, "--json", *settings)
     assert result.exit_code == 0, result.stderr
@@ -62,7 +58,7 @@ def test_simulate_without_targets_flies_all_the_same(call: Call) -> None:
     assert call("simulate", FIGURE_2, *settings).exit_code == 0
 
 
-def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) -> None:
+def test_a_simulator_that_raises_is_told_in_one_line(call, fakes):
     result = call("simulate", FIGURE_2, "--simulator", "fake", "--set", "simulator.fail=1")
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
@@ -72,22 +68,20 @@ def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) ->
     assert re.fullmatch(rf"error: word-\w+: cannot be flown: {fault}", line)
 
 
-def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(
-    finished_run: tuple[Path, Any], call: Call, fakes: None
-) -> None:
+def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(finished_run, call, fakes):
     document = json.loads(call("simulate", f"{finished_run[0]}:TP1", "--simulator", "fake", "--json").stdout)
     assert document["simulator"] == "fake"
     assert document["end"]["reason"] == "outlet"
 
 
-def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: Call) -> None:
+def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call):
     light = call("inspect", FIGURE_2, "--json", "--set", "builder.core_mass=0.001", "--set", "builder.hull_density=20")
     facts = json.loads(light.stdout)
     assert facts["lambda_max"] > 17 / 3
     assert any("diverge" in warning for warning in facts["warnings"])
 
 
-def test_simulate_and_export_flight_say_how_much_of_a_bore_a_body_fills_if_this_is_too_much(call: Call) -> None:
+def test_simulate_and_export_flight_say_how_much_of_a_bore_a_body_fills_if_this_is_too_much(call):
     for radius, count in ((1.0, 0), (0.03, 1)):
         pipe = f"pipe.segments=[{{start = [0, 0, 0], end = [9, 0, 0], radius = {radius}}}]"
         settings = ("--set", pipe, "--set", "targets={}", "--set", "flight.horizon=0.1")
@@ -99,7 +93,7 @@ def test_simulate_and_export_flight_say_how_much_of_a_bore_a_body_fills_if_this_
         assert all(f"warning: {line}" in text for line in found for text in told)
 
 
-def test_disturbed_flights_through_a_junction_are_counted_by_outlet(call: Call) -> None:
+def test_disturbed_flights_through_a_junction_are_counted_by_outlet(call):
     shutil.copy(Path(__file__).with_name("junction.toml"), "junction.toml")
     arguments = ("simulate", FIGURE_2, "--scenario", "junction.toml", "--robust", 3)
     told = json.loads(call(*arguments, "--json").stdout)

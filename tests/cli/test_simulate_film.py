@@ -3,17 +3,10 @@
 import json
 import signal
 import struct
-import subprocess
 import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-Call = Callable[..., Any]
-Refused = Callable[..., str]
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 FLIP_BOOK = ("simulate", WORD, "--simulator", "fake", "--renderer", "flip-book", "--out", "flight")
@@ -21,7 +14,7 @@ SMALL = ("--set", "renderer.exudyn.width=64", "--set", "renderer.exudyn.height=6
 
 
 @pytest.mark.usefixtures("fakes")
-def test_a_film_is_made_where_it_is_wanted_and_told_of(call: Call, tmp_path: Path) -> None:
+def test_a_film_is_made_where_it_is_wanted_and_told_of(call, tmp_path):
     result = call(*FLIP_BOOK, "--film", "films/book.txt")
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "films" / "book.txt").read_text() == "20 pages of 9 s\n"
@@ -30,20 +23,20 @@ def test_a_film_is_made_where_it_is_wanted_and_told_of(call: Call, tmp_path: Pat
 
 
 @pytest.mark.usefixtures("fakes")
-def test_in_json_the_film_is_a_field_and_null_without_one(call: Call) -> None:
+def test_in_json_the_film_is_a_field_and_null_without_one(call):
     assert json.loads(call(*FLIP_BOOK, "--film", "book.txt", "--json").stdout)["film"] == "book.txt"
     assert json.loads(call(*FLIP_BOOK, "--json").stdout)["film"] is None
 
 
 @pytest.mark.usefixtures("fakes")
-def test_off_a_terminal_a_quick_film_is_one_line_on_stderr(call: Call) -> None:
+def test_off_a_terminal_a_quick_film_is_one_line_on_stderr(call):
     pages = ("--set", "renderer.flip-book.pages=50")
     lines = call(*FLIP_BOOK, "--film", "book.txt", *pages).stderr.splitlines()
     assert [line.partition(",")[0] for line in lines] == ["50/50 frames"]
 
 
 @pytest.mark.usefixtures("fakes")
-def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call: Call, tmp_path: Path) -> None:
+def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call, tmp_path):
     result = call(*FLIP_BOOK, "--film", "book.txt", "--set", "renderer.flip-book.torn=true")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-1] == "error: the last page is torn"
@@ -52,7 +45,7 @@ def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call: Call, tm
 
 
 @pytest.mark.peers
-def test_a_real_film_is_made_by_default(call: Call, tmp_path: Path) -> None:
+def test_a_real_film_is_made_by_default(call, tmp_path):
     from driftform.testing.renderer import read_film
 
     both = ("--film", "flight.gif", "--still", "flight.png")
@@ -64,16 +57,14 @@ def test_a_real_film_is_made_by_default(call: Call, tmp_path: Path) -> None:
 
 
 @pytest.mark.peers
-def test_a_directory_is_no_film(refused: Refused, tmp_path: Path) -> None:
+def test_a_directory_is_no_film(refused, tmp_path):
     (tmp_path / "here.mp4").mkdir()
     assert "--film here.mp4: is a directory" in refused("simulate", WORD, "--film", "here.mp4")
     (tmp_path / "file").touch()
     assert "choose another --film" in refused("simulate", WORD, "--film", "file/film.mp4")
 
 
-def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(
-    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(call, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     result = call("simulate", WORD, "--film", "film.mp4")
     assert result.exit_code == 1
@@ -84,7 +75,7 @@ def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(
 
 @pytest.mark.peers
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_an_interrupted_film_leaves_nothing(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+def test_an_interrupted_film_leaves_nothing(start, tmp_path):
     quick = ("--set", "renderer.exudyn.view=side", "--set", "renderer.exudyn.rays=1")
     with start("simulate", WORD, "--film", "films/flight.mp4", *quick, cwd=tmp_path) as process:
         while not list(tmp_path.glob("films/*")):
@@ -97,21 +88,21 @@ def test_an_interrupted_film_leaves_nothing(start: Callable[..., subprocess.Pope
     assert list((tmp_path / "films").iterdir()) == []
 
 
-def still(path: Path) -> bytes:
+def still(path):
     """A picture that was made, and its size in pixels is 64 x 64."""
     made = path.read_bytes()
     assert made.startswith(b"\x89PNG") and made[16:24] == struct.pack(">II", 64, 64)
     return made
 
 
-def test_a_still_is_made_where_it_is_wanted_and_told_of(call: Call, tmp_path: Path) -> None:
+def test_a_still_is_made_where_it_is_wanted_and_told_of(call, tmp_path):
     result = call("simulate", WORD, "--still", "stills/flight.png", *SMALL)
     assert result.exit_code == 0, result.stderr
     assert result.stdout.splitlines()[-1] == "still:      stills/flight.png"
     still(tmp_path / "stills" / "flight.png")
 
 
-def test_by_default_a_still_is_of_the_closest_approach(call: Call, tmp_path: Path) -> None:
+def test_by_default_a_still_is_of_the_closest_approach(call, tmp_path):
     told = json.loads(call("simulate", WORD, "--still", "one.png", *SMALL, "--json").stdout)
     assert told["still"] == "one.png"
     closest = min(told["closest"].values(), key=lambda approach: approach["distance"])
@@ -121,7 +112,7 @@ def test_by_default_a_still_is_of_the_closest_approach(call: Call, tmp_path: Pat
     assert one == two != three
 
 
-def test_a_still_needs_no_encoder(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_still_needs_no_encoder(call, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     assert call("simulate", WORD, "--still", "flight.png", *SMALL).exit_code == 0
     still(tmp_path / "flight.png")
@@ -141,21 +132,19 @@ def test_a_still_needs_no_encoder(call: Call, monkeypatch: pytest.MonkeyPatch, t
         (("--film", "a.mp4", "--renderer", "exudin"), "--renderer exudin: no renderer is named 'exudin'; did you mean"),
     ],
 )
-def test_a_film_or_a_still_that_cannot_be_made_is_refused_before_anything_is_flown(
-    refused: Refused, tmp_path: Path, options: tuple[str, ...], why: str
-) -> None:
+def test_a_film_or_a_still_that_cannot_be_made_is_refused_before_anything_is_flown(refused, tmp_path, options, why):
     (tmp_path / "here.png").mkdir()
     assert why in refused("simulate", WORD, *options)
     assert [path.name for path in tmp_path.iterdir()] == ["here.png"]
 
 
 @pytest.mark.parametrize("at", ["-1", "100", "nan"])
-def test_a_moment_that_the_flight_does_not_have_is_refused(refused: Refused, at: str, tmp_path: Path) -> None:
+def test_a_moment_that_the_flight_does_not_have_is_refused(refused, at, tmp_path):
     line = refused("simulate", WORD, "--still", "flight.png", "--still-at", at)
     assert f"--still-at {at}: the flight goes from 0 to " in line
     assert not (tmp_path / "flight.png").exists()
 
 
 @pytest.mark.usefixtures("fakes")
-def test_a_renderer_that_makes_no_stills_says_so(refused: Refused) -> None:
+def test_a_renderer_that_makes_no_stills_says_so(refused):
     assert "'flip-book' makes films, but not stills" in refused(*FLIP_BOOK, "--still", "book.txt")

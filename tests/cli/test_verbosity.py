@@ -1,17 +1,14 @@
 """``--quiet`` and ``-v``, and the logger behind them."""
 
 import logging
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
-Call = Callable[..., Any]
 EVOLVE = ("evolve", "--strategy", "random", "--evaluations", "4", "--target", "TP1", "--seed", "1", "--workers", "1")
 SHORT = ("--robust", "0", "--simulator", "native", "--set", "flight.horizon=0.5")
 
 
-def test_a_library_has_no_handler() -> None:
+def test_a_library_has_no_handler():
     import driftform.search.advance
 
     assert driftform.search.advance
@@ -19,7 +16,7 @@ def test_a_library_has_no_handler() -> None:
 
 
 @pytest.mark.long
-def test_quiet_shows_results_and_warnings_alone(call: Call) -> None:
+def test_quiet_shows_results_and_warnings_alone(call):
     result = call("--quiet", *EVOLVE, *SHORT)
     assert result.exit_code == 0, result.stderr
     assert "run:  runs/" in result.stdout
@@ -27,7 +24,7 @@ def test_quiet_shows_results_and_warnings_alone(call: Call) -> None:
 
 
 @pytest.mark.long
-def test_verbose_logs_what_is_done_and_leaves_no_handler(call: Call) -> None:
+def test_verbose_logs_what_is_done_and_leaves_no_handler(call):
     shown = {flag: call(flag, *EVOLVE, *SHORT).stderr for flag in ("-v", "-vv")}
     for stderr in shown.values():
         assert "info: runs/pipe-inspection-" in stderr and ": search, 4 evaluations in all" in stderr

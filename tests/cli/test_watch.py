@@ -7,10 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,23 +15,20 @@ from processes import count_evaluations, look, make_arguments, wait_until
 
 from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
-from driftform.runs.store import EvaluationSummary, Record, Store
+from driftform.runs.store import Record, Store
 from driftform.types import Candidate, Evaluation, Genome
-
-Start = Callable[..., subprocess.Popen[str]]
-Program = Callable[..., subprocess.CompletedProcess[str]]
 
 EVALUATIONS = 36
 STUDY = make_arguments(EVALUATIONS)
 
 
-def add(store: Store, *indices: int) -> None:
+def add(store, *indices):
     genome = Genome("g", ())
     fitness = {i: np.array([50.0 if i > 4 else 10.0 * i]) for i in indices}
     store.add([Record(i, Candidate(genome), Evaluation(genome, fitness[i])) for i in indices], ("A",))
 
 
-def brief_store(path: Path, count: int, budget: int = 1000) -> Store:
+def brief_store(path, count, budget=1000):
     """The open database of a run for one target that has some evaluations."""
     store = Store.create(path, {"targets": {"A": [1, 0, 0]}, "run": {"evaluations": budget}})
     add(store, *range(count))
@@ -42,7 +36,7 @@ def brief_store(path: Path, count: int, budget: int = 1000) -> Store:
 
 
 @pytest.fixture
-def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+def going(start, tmp_path):
     """A run of one worker that has some evaluations, and is not at its end."""
     slow = ("--set", "simulator.pause=0.25", "--workers", 1, "--out", "run")
     with start("evolve", *STUDY, *slow, cwd=tmp_path) as process:
@@ -53,7 +47,7 @@ def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp_path: Path) -> None:
+def test_a_run_is_followed_to_its_end_while_others_come_and_go(start, tmp_path):
     (tmp_path / "run").mkdir()
     with ExitStack() as stack:
         with lock_run(tmp_path / "run"), brief_store(tmp_path / "run" / "run.db", 5, budget=8) as store:
@@ -78,9 +72,7 @@ def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp
 
 
 @pytest.mark.long
-def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resumes_it(
-    going: subprocess.Popen[str], run: Program, tmp_path: Path
-) -> None:
+def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resumes_it(going, run, tmp_path):
     going.kill()
     going.wait()
     before = sorted(path.name for path in (tmp_path / "run").glob("run.db*"))
@@ -92,9 +84,7 @@ def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resume
     assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == before
 
 
-def test_what_is_told_of_a_finished_run_is_what_the_run_told(
-    finished_run: tuple[Path, subprocess.CompletedProcess[str]], call: Callable[..., Any]
-) -> None:
+def test_what_is_told_of_a_finished_run_is_what_the_run_told(finished_run, call):
     directory, told = finished_run
     result = call("watch", directory, "--json")
     assert result.exit_code == 0, result.stderr
@@ -111,7 +101,7 @@ def test_what_is_told_of_a_finished_run_is_what_the_run_told(
             assert target["generation"] == 0
 
 
-def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy: Path, call: Callable[..., Any]) -> None:
+def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy, call):
     before = {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in run_copy.rglob("*")}
     result = call("watch", run_copy, "--once")
     assert result.exit_code == 0, result.stderr
@@ -122,7 +112,7 @@ def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy: Path, call
     assert {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in run_copy.rglob("*")} == before
 
 
-def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy: Path, call: Callable[..., Any]) -> None:
+def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy, call):
     with Store.open(run_copy / "run.db") as store:
         study = store.read_study()
         store.replace_study({**study, "simulator": {"use": "nowhere-installed"}})
@@ -130,11 +120,11 @@ def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy: Path, call
     assert call("watch", run_copy, "--once").exit_code == 0
 
 
-def test_nothing_is_read_twice_but_what_lies_behind_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    read: list[int] = []
+def test_nothing_is_read_twice_but_what_lies_behind_a_gap(tmp_path, monkeypatch):
+    read = []
     original = Store.read_summaries
 
-    def counting(self: Store, targets: list[str], first: int = 0) -> Iterator[EvaluationSummary]:
+    def counting(self, targets, first=0):
         for brief in original(self, targets, first):
             read.append(brief.index)
             yield brief
@@ -159,7 +149,7 @@ def test_nothing_is_read_twice_but_what_lies_behind_a_gap(tmp_path: Path, monkey
         assert monitor.status.done == 504 == store.count()
 
 
-def test_a_larger_budget_shows_while_one_looks_on(tmp_path: Path) -> None:
+def test_a_larger_budget_shows_while_one_looks_on(tmp_path):
     with brief_store(tmp_path / "run.db", 5) as store, lock_run(tmp_path):
         monitor = look(tmp_path)
         assert (monitor.state, monitor.status.budget) == ("running", 1000)
@@ -170,11 +160,11 @@ def test_a_larger_budget_shows_while_one_looks_on(tmp_path: Path) -> None:
     assert monitor.state == "finished"
 
 
-def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has(tmp_path: Path) -> None:
+def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has(tmp_path):
     (tmp_path / ".lock").touch()
     over = threading.Event()
 
-    def asking() -> None:
+    def asking():
         while not over.is_set():
             is_worked_on(tmp_path)
 
@@ -191,7 +181,7 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
             thread.join()
 
 
-def test_whether_a_run_is_worked_on(tmp_path: Path) -> None:
+def test_whether_a_run_is_worked_on(tmp_path):
     assert not is_worked_on(tmp_path)
     assert list(tmp_path.iterdir()) == []
     with lock_run(tmp_path):
@@ -202,13 +192,13 @@ def test_whether_a_run_is_worked_on(tmp_path: Path) -> None:
     assert not is_worked_on(tmp_path)
 
 
-def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) -> None:
+def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path):
     brief_store(tmp_path / "run.db", 100).close()
     over = threading.Event()
-    looks: list[int] = []
-    trouble: list[Exception] = []
+    looks = []
+    trouble = []
 
-    def looking() -> None:
+    def looking():
         while not over.is_set():
             try:
                 looks.append(look(tmp_path).status.done)
@@ -232,7 +222,7 @@ def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
-def test_on_a_terminal_the_last_picture_stays(finished_run: tuple[Path, object]) -> None:
+def test_on_a_terminal_the_last_picture_stays(finished_run):
     import os
     import pty
 

@@ -6,9 +6,7 @@ does not count.
 
 import json
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,13 +15,12 @@ from driftform.study import load_study
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
-Call = Callable[..., Any]
 
 PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"
 BEND = "pipe={segments=[],radius=%s,parts=[{length=1},{kind='bend',angle_deg=%s,radius=%s},{length=1}]}"
 ONE = "targets={A=[4,0,0.2]}"
 
-WRONG: dict[str, tuple[list[str], str, str]] = {
+WRONG = {
     # What the author got wrong: the settings, "refused" or "warned", and what the line says.
     "the core's mass in grams": (["builder.core_mass=50"], "warned", "50 kg has a radius of 10 mm"),
     "the water's density in g/cm3": (["fluid.density=1.024"], "warned", "fluid.density = 1.024 kg/m3 is not"),
@@ -133,17 +130,17 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
 }
 
 
-def load_and_list(settings: list[str]) -> list[str]:
+def load_and_list(settings):
     return load_study("paper", settings=[*settings, "run.seed=1"]).list_warnings()
 
 
-def test_the_built_in_scenarios_give_no_warning() -> None:
+def test_the_built_in_scenarios_give_no_warning():
     for name in ("paper", "pipe-inspection"):
         assert load_study(name).list_warnings() == []
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name: str) -> None:
+def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name):
     settings, verdict, part = WRONG[name]
     load_and_list([])  # Imports are the same for all.
     began = time.process_time()
@@ -175,11 +172,11 @@ def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name: str) ->
         [PIPE % ("9,9,0", 1), "targets={A=[4,4,0.3]}"],
     ],
 )
-def test_a_study_that_can_do_it_gives_no_warning(settings: list[str]) -> None:
+def test_a_study_that_can_do_it_gives_no_warning(settings):
     assert load_and_list(settings) == []
 
 
-def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
+def test_the_check_lists_warnings_as_text_and_as_json(call):
     Path("mine.toml").write_text('base = "paper"\n[targets]\nA = [4, 0.3, 0]\n[flow]\nspeed = 0\n')
     text = call("scenarios", "check", "mine.toml")
     assert text.exit_code == 0
@@ -190,7 +187,7 @@ def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
     assert len(warned) == 2
 
 
-def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: Call, tmp_path: Path) -> None:
+def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run, tmp_path):
     settings = ("paper", "--set", "targets={A=[1,0.3,0]}", "--evaluations", 2, "--workers", 1, "--simulator", "native")
     done = run("evolve", *settings, "--out", "run", "--json", cwd=tmp_path)
     first = done.stderr.splitlines()[0]
@@ -199,7 +196,7 @@ def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: C
 
 
 @pytest.mark.long
-def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
+def test_a_run_says_the_commonest_reason_of_its_failures(run, tmp_path):
     settings = ("paper", "--set", "pipe.segments.0.radius=0.0135", "--set", "targets={A=[1,0,0]}", "--seed", 1)
     options = ("--evaluations", 12, "--workers", 1, "--simulator", "native", "--strategy", "random")
     printed = run("evolve", *settings, *options, "--out", "run", cwd=tmp_path).stdout

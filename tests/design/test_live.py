@@ -21,7 +21,7 @@ def design():
     return df.open_agent(GENOME, use={"simulator": "native"}, scenario="paper")
 
 
-def test_many_steps_end_where_one_flight_does(design) -> None:
+def test_many_steps_end_where_one_flight_does(design):
     whole = design.under(*STRAIGHT, "flight.horizon=0.4", "release.roll_deg=30", "release.rates=[1, 2, 3]")
     flight, trajectory = whole.fly(), whole.trace()
     assert trajectory.contact is None
@@ -34,7 +34,7 @@ def test_many_steps_end_where_one_flight_does(design) -> None:
 
 
 @pytest.mark.parametrize("force", ["full", "paper"])
-def test_a_current_that_changes_at_once_acts_as_one_that_accelerates_for_a_moment(design, force: str) -> None:
+def test_a_current_that_changes_at_once_acts_as_one_that_accelerates_for_a_moment(design, force):
     """The limit is taken with flow.acceleration = 10 m/s2 for 0.1 ms; weight changes velocities by 1e-3 m/s meanwhile."""
     at_rest = design.under(
         *OPEN, f"fluid.flow_force={force}", "release.velocity=rest", "flight.horizon=1e-4", "fluid.gravity=0"
@@ -46,7 +46,7 @@ def test_a_current_that_changes_at_once_acts_as_one_that_accelerates_for_a_momen
     assert abs(flight.velocity[0]) > 1e-5
 
 
-def test_a_current_acts_from_its_arrival(design) -> None:
+def test_a_current_acts_from_its_arrival(design):
     """As in a flight that is released in it with the velocity that the body has then."""
     flight = design.under(*OPEN).fly()
     flight.step(0.2)
@@ -59,7 +59,7 @@ def test_a_current_acts_from_its_arrival(design) -> None:
     np.testing.assert_array_equal(again.position, flown.position)
 
 
-def test_a_given_current_replaces_that_of_bends(design) -> None:
+def test_a_given_current_replaces_that_of_bends(design):
     parts = 'pipe.parts=[{length=2}, {kind="bend", radius=2}]'
     flight = design.under("targets={}", "pipe.segments=[]", "pipe.radius=1", parts, "flow.speed=0.5").fly()
     flight.step(0.05)
@@ -68,7 +68,7 @@ def test_a_given_current_replaces_that_of_bends(design) -> None:
     np.testing.assert_allclose(field.water_velocity(flight.position, 0.0, flight.scenario), [[0.1, 0.0, 0.05]])
 
 
-def test_steps_follow_a_current_that_accelerates(design) -> None:
+def test_steps_follow_a_current_that_accelerates(design):
     whole = design.under(*OPEN, "flow.acceleration=0.5", "flight.horizon=0.4")
     flight = whole.fly()
     for _ in range(4):
@@ -76,7 +76,7 @@ def test_steps_follow_a_current_that_accelerates(design) -> None:
     np.testing.assert_allclose(flight.position, whole.trace().position[-1], atol=1e-6)
 
 
-def test_a_flight_ends_at_the_outlet_and_takes_no_further_step(design) -> None:
+def test_a_flight_ends_at_the_outlet_and_takes_no_further_step(design):
     flight = design.under("flow.kind=uniform", "release.position=[8.9, 0, 0]").fly()
     flight.step(0.5)
     assert flight.end is End.OUTLET
@@ -86,25 +86,25 @@ def test_a_flight_ends_at_the_outlet_and_takes_no_further_step(design) -> None:
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
-def test_a_step_needs_a_duration(design, duration: float) -> None:
+def test_a_step_needs_a_duration(design, duration):
     with pytest.raises(InputError, match=r"duration = .*: a step takes more than 0"):
         design.fly().step(duration)
 
 
 @pytest.mark.parametrize("current", [(1.0,), (1.0, 2.0, math.nan), (0.0, 0.0, 1e9)])
-def test_a_current_has_three_numbers(design, current: tuple[float, ...]) -> None:
+def test_a_current_has_three_numbers(design, current):
     flight = design.fly()
     with pytest.raises(InputError, match=r"current = .*expected three numbers"):
         flight.step(0.1, current)
     assert flight.time == 0.0
 
 
-def test_gusts_are_refused_with_the_next_step(design) -> None:
+def test_gusts_are_refused_with_the_next_step(design):
     with pytest.raises(InputError, match=r"gusts outlast a step; set gusts.strength = 0"):
         design.under("flow.kind=turbulent", "flow.speed=1").fly()
 
 
-def test_an_added_current_is_steady_and_the_whole_one_in_bends(design) -> None:
+def test_an_added_current_is_steady_and_the_whole_one_in_bends(design):
     with pytest.raises(InputError, match=r"set flow.acceleration = 0"):
         design.under(*OPEN, "flow.added=[0, 1, 0]", "flow.acceleration=1")
     with pytest.raises(InputError, match=r"set flow.speed = 0"):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from driftform.agent import hull_mass, mass_properties
-from driftform.design.design import Design
 from driftform.design.inspection import GRAM, measure_gram_sensitivity
 from driftform.design.opening import open_agent
 
@@ -18,7 +17,7 @@ PERCENT = 2e-3
 
 
 @pytest.fixture(scope="module")
-def neutral() -> str:
+def neutral():
     """The setting of a core that makes the agent weigh what it displaces: it flies far before it touches a wall."""
     heavy = open_agent(WORD, "paper", use=NATIVE)
     core = heavy.study.scenario.fluid.density * heavy.agent.mass.volume - hull_mass(heavy.agent.body)
@@ -30,11 +29,11 @@ SHORT = "flow.speed=2.0"
 
 
 @pytest.fixture(scope="module")
-def opened(neutral: str) -> Design:
+def opened(neutral):
     return open_agent(WORD, "paper", settings=[neutral, SHORT], use=NATIVE)
 
 
-def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
+def test_a_gram_of_hull_is_a_denser_hull(opened, neutral):
     found = measure_gram_sensitivity(opened.pipeline, opened.agent, "agent")
     assert found is not None
     hull = hull_mass(opened.agent.body)
@@ -47,7 +46,7 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
     assert np.abs(found["heavier"] - found["lighter"]).max() > 1
 
 
-def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier() -> None:
+def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier():
     settings = ["builder.tuning=ballast", "builder.core_mass=0.01", SHORT]
     opened = open_agent(WORD, "paper", settings=settings, use=NATIVE)
     assert opened.agent.morphology is not None
@@ -63,7 +62,7 @@ def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier() -> None:
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
 
 
-def test_a_hull_of_less_than_a_gram_has_none_to_lose() -> None:
+def test_a_hull_of_less_than_a_gram_has_none_to_lose():
     light = open_agent("C", "paper", settings=["builder.hull_density=500.0"], use=NATIVE)
     assert hull_mass(light.agent.body) < GRAM
     assert measure_gram_sensitivity(light.pipeline, light.agent, "agent") is None

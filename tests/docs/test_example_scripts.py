@@ -3,7 +3,6 @@
 import ast
 import re
 import runpy
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -19,15 +18,10 @@ pytestmark = [pytest.mark.long, pytest.mark.peers]
 
 
 @pytest.fixture
-def printed(
-    tmp_path_factory: pytest.TempPathFactory,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> Callable[[str, str], list[float]]:
+def printed(tmp_path_factory, tmp_path, monkeypatch, capsys):
     """Run a script, and return the numbers of the groups of a pattern in its output, one for each match."""
 
-    def run(script: str, pattern: str) -> list[float]:
+    def run(script, pattern):
         monkeypatch.chdir(tmp_path)
         monkeypatch.setenv("XDG_CACHE_HOME", str(shared_folder(tmp_path_factory, "networks")))
         runpy.run_path(str(EXAMPLES / f"{script}.py"), run_name="__main__")
@@ -36,18 +30,18 @@ def printed(
     return run
 
 
-def test_nine_of_ten_flights_pass_within_the_papers_five_percent(printed: Callable[[str, str], list[float]]) -> None:
+def test_nine_of_ten_flights_pass_within_the_papers_five_percent(printed):
     near_tp1, near_tp8 = printed("evolve", r"by less than (\d+) mm")
     assert 20 < near_tp1 < 407
     assert 20 < near_tp8 < 360
 
 
-def test_the_best_agent_sees_most_heights_of_the_pipe(printed: Callable[[str, str], list[float]]) -> None:
+def test_the_best_agent_sees_most_heights_of_the_pipe(printed):
     seen = printed("own_fitness", r"sees ([\d.]+) %")
     assert seen == sorted(seen) and seen[-1] == pytest.approx(79, abs=2)
 
 
-def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], list[float]]) -> None:
+def test_five_hundred_flights_pass_most_points(printed):
     [near] = printed("reach_map", r"(\d+) of 12 points")
     assert near >= 7
 
@@ -66,24 +60,22 @@ def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], lis
         ("network", r"five spheres see ([\d.]+) %", pytest.approx([41.3], abs=0.2)),
     ],
 )
-def test_a_script_prints_its_number(
-    printed: Callable[[str, str], list[float]], script: str, pattern: str, expected: object
-) -> None:
+def test_a_script_prints_its_number(printed, script, pattern, expected):
     assert printed(script, pattern) == expected
 
 
-def test_a_tether_carries_the_net_weight(printed: Callable[[str, str], list[float]]) -> None:
+def test_a_tether_carries_the_net_weight(printed):
     lifted, weight = printed("tether", r"([\d.]+) N")
     assert lifted == pytest.approx(weight, rel=5e-3) and weight > 0.2
 
 
-def test_the_environment_passes_the_checks_of_gymnasium() -> None:
+def test_the_environment_passes_the_checks_of_gymnasium():
     from gymnasium.utils.env_checker import check_env
 
     check_env(runpy.run_path(str(EXAMPLES / "gym_ballast.py"))["BallastEnv"](), skip_render_check=True)
 
 
-def test_examples_are_short_and_import_nothing_private() -> None:
+def test_examples_are_short_and_import_nothing_private():
     assert sorted(path.stem for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
     for script in SCRIPTS:
         text = (EXAMPLES / f"{script}.py").read_text(encoding="utf-8")
@@ -91,7 +83,7 @@ def test_examples_are_short_and_import_nothing_private() -> None:
         assert not re.search(r"^(from|import) .*\b_\w", text, re.MULTILINE), script
 
 
-def test_page_of_examples(docs: Path, up_to_date: Callable[[Path, str], None]) -> None:
+def test_page_of_examples(docs, up_to_date):
     lines = [
         "# Examples",
         "",

@@ -1,23 +1,17 @@
 """The picture of joints in docs/printing.md, cut along the axis. ``UPDATE_DOCS=1`` draws it anew."""
 
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures.style import INK, MUTED, tint
 from driftform.figures.svg import add, path_data, render, start_document
-from driftform.types import Body, Module, Morphology
-
-Same = Callable[[Path, str], None]
+from driftform.types import Module, Morphology
 
 SCALE = 9.0  # px for a millimetre
 WIDTH, HEIGHT, HEAD = 460.0, 200.0, 34.0
 SPAN = 24.0  # mm on either side of the middle
-JOINTS: dict[str, tuple[str, str, dict[str, Any], float]] = {
+JOINTS = {
     "A sleeve beside the core: where one side stays wide": ("uuu", "n", {}, 4.0),
     "A rabbet at the equator: where the core fills the hull": ("nnn", "nnn", {}, 0.0),
     "A sleeve with a groove for an O-ring": ("uss", "nnn", {"o_ring": 0.00178}, 4.0),
@@ -25,7 +19,7 @@ JOINTS: dict[str, tuple[str, str, dict[str, Any], float]] = {
 }
 
 
-def body(fore: str, aft: str) -> Body:
+def body(fore, aft):
     from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 
     tilts = {"u": math.radians(20), "n": -math.radians(20), "s": 0.0}
@@ -33,7 +27,7 @@ def body(fore: str, aft: str) -> Body:
     return FrustaBuilder(FrustaOptions()).build(Morphology(*sides))
 
 
-def panel(root: ET.Element, title: str, left: float, top: float) -> None:
+def panel(root, title, left, top):
     from driftform_frusta.colours import colour_of
     from driftform_frusta.kit_options import PartOptions
     from driftform_kit.cutting.pieces import make_kit
@@ -42,7 +36,7 @@ def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     kit = make_kit(body(fore, aft), PartOptions(kit=True, **options))
     axis = top + HEIGHT
 
-    def at(z: Any, r: Any) -> np.ndarray[Any, Any]:
+    def at(z, r):
         return np.column_stack((left + WIDTH / 2 + (z - middle) * SCALE, axis - r * SCALE))
 
     clip = np.array([(-SPAN - 1, -1.0), (SPAN + 1, -1.0), (SPAN + 1, 30.0), (-SPAN - 1, 30.0)])
@@ -57,7 +51,7 @@ def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     add(root, "text", title, x=left, y=top - 12, font_size=13, fill=INK)
 
 
-def _within(ring: Any, window: Any) -> list[Any]:
+def _within(ring, window):
     """The part of a ring of (r, z) in a window, as polygons of (z, r)."""
     from manifold3d import CrossSection, FillRule
 
@@ -65,7 +59,7 @@ def _within(ring: Any, window: Any) -> list[Any]:
     return [np.asarray(polygon) for polygon in section.to_polygons()]
 
 
-def picture() -> str:
+def picture():
     root = start_document(
         2 * WIDTH + 60,
         2 * (HEIGHT + HEAD) + 40,
@@ -77,6 +71,6 @@ def picture() -> str:
     return render(root)
 
 
-def test_the_joints_are_as_they_are_made(docs: Path, pages: dict[str, str], same_picture: Same) -> None:
+def test_the_joints_are_as_they_are_made(docs, pages, same_picture):
     same_picture(docs / "images" / "kit-joints.svg", picture())
     assert "(images/kit-joints.svg)" in pages["printing.md"]

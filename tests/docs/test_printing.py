@@ -5,7 +5,6 @@ import shlex
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from driftform.cli.app import app
 from driftform.study import load_study
 
 
-def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
+def test_of_a_hundred_random_agents(pages):
     from driftform_frusta.kit_options import PartOptions
     from driftform_kit.cutting.pieces import make_kit
 
@@ -32,9 +31,7 @@ def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
 
 @pytest.mark.long
 @pytest.mark.peers
-def test_the_pause_of_the_page_comes_once_before_the_first_layer_above_its_height(
-    blocks: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_pause_of_the_page_comes_once_before_the_first_layer_above_its_height(blocks, tmp_path, monkeypatch):
     if shutil.which("prusa-slicer") is None:
         pytest.skip("prusa-slicer is not installed")
     monkeypatch.chdir(tmp_path)

@@ -1,7 +1,5 @@
 """The numbers that the pages tell of random agents: 2000 genotypes of the default study, and of alternatives."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from driftform.study import load_study
 COUNT = 2000
 
 
-def facts(*settings: str) -> dict[str, Any]:
+def facts(*settings):
     """Columns over the same 2000 random genotypes."""
     pipeline, rng = (load_study("paper", settings=settings, run={"seed": 0}).make_pipeline(), np.random.default_rng(1))
     density = pipeline.scenario.fluid.density
@@ -35,20 +33,20 @@ def facts(*settings: str) -> dict[str, Any]:
     return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 
-def flat(text: str) -> str:
+def flat(text):
     return " ".join(text.split())
 
 
-def percent(share: Any) -> str:
+def percent(share):
     return f"{100 * np.mean(share):.0f} %"
 
 
 @pytest.fixture(scope="module")
-def default() -> dict[str, Any]:
+def default():
     return facts()
 
 
-def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> None:
+def test_the_default_study(default, pages):
     notes, physics = flat(pages["paper-notes.md"]), flat(pages["physics.md"])
     low, median, high = np.percentile(default["net"], [5, 50, 95])
     assert set(default["modules"]) == {39}
@@ -61,7 +59,7 @@ def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> No
     assert f"Of 2000 random agents in `paper`, {percent(default['lambda_max'] > 17 / 3)} lie" in physics
 
 
-def test_where_places_are_skipped(default: dict[str, Any], pages: dict[str, str]) -> None:
+def test_where_places_are_skipped(default, pages):
     notes, found = flat(pages["paper-notes.md"]), facts("grammar.occupied=skip")
     modules = found["modules"]
     assert (
@@ -71,13 +69,13 @@ def test_where_places_are_skipped(default: dict[str, Any], pages: dict[str, str]
     assert f'with `grammar.occupied = "skip"` {percent(found["wide"])} are' in notes
 
 
-def test_tilts_against_the_neighbour(pages: dict[str, str]) -> None:
+def test_tilts_against_the_neighbour(pages):
     notes, found = flat(pages["paper-notes.md"]), facts("grammar.tilt_reference=neighbour")
     assert f"the largest diameter is then {found['diameter'].max():.2f} m" in notes
     assert f"{percent(found['wide'])} are wider than long" in notes
 
 
-def test_one_to_thirty_nine_modules_by_construction() -> None:
+def test_one_to_thirty_nine_modules_by_construction():
     study = load_study("paper", settings=["grammar.occupied=skip"], run={"seed": 0})
     grammar = study.make_plugin("grammar")
     for move, modules in (("moveN", 1), ("moveF", 39)):

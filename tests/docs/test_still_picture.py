@@ -18,7 +18,7 @@ from driftform.cli.app import app
 README = Path(__file__).parents[2] / "README.md"
 
 
-def commands() -> tuple[list[str], list[str]]:
+def commands():
     """The words of the command that evolves the run, and of the one that makes the picture."""
     text = README.read_text(encoding="utf-8")
     found = []
@@ -30,9 +30,7 @@ def commands() -> tuple[list[str], list[str]]:
 
 
 @pytest.mark.slow
-def test_the_commands_of_the_readme_make_its_picture(
-    docs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_commands_of_the_readme_make_its_picture(docs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for command in commands():
         result = CliRunner().invoke(app, command)
@@ -47,6 +45,6 @@ def test_the_commands_of_the_readme_make_its_picture(
     assert len(kept) < 300_000 and len(made) < 300_000
 
 
-def test_the_readme_shows_it() -> None:
+def test_the_readme_shows_it():
     assert "(docs/images/flight.png)" in README.read_text(encoding="utf-8")
     assert commands()[1][1].startswith(f"{commands()[0][-1]}:")

@@ -7,9 +7,7 @@ import os
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -19,26 +17,26 @@ pytestmark = [
 ]
 
 
-def limit(name: str, value: int) -> Callable[[], None]:
+def limit(name, value):
     import resource
 
     return lambda: resource.setrlimit(getattr(resource, name), (value, value))
 
 
-def close(*descriptors: int) -> Callable[[], None]:
-    def close_all() -> None:
+def close(*descriptors):
+    def close_all():
         for number in descriptors:
             os.close(number)
 
     return close_all
 
 
-def set_all(**variables: Sequence[str]) -> dict[str, dict[str, Any]]:
+def set_all(**variables):
     """Return surroundings in which one variable of the environment has a value."""
     return {f"{name}={value}": {"env": {name: value}} for name, values in variables.items() for value in values}
 
 
-SURROUNDINGS: dict[str, dict[str, Any]] = {
+SURROUNDINGS = {
     **set_all(
         LC_ALL=["C", "POSIX", "tr_TR.UTF-8", "zh_CN.GBK", "nonsense"],
         PYTHONIOENCODING=["ascii", "utf-16", "cp1252"],
@@ -78,11 +76,11 @@ SURROUNDINGS: dict[str, dict[str, Any]] = {
 }
 
 
-def test_odd_surroundings_change_no_agent(tmp_path: Path, show_row: Callable[..., None]) -> None:
+def test_odd_surroundings_change_no_agent(tmp_path, show_row):
     command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "sample", "--scenario", "paper"]
     command += ["--count", "2", "--seed", "3", "--out", "out"]
     fell = []
-    expected: dict[str, bytes] = {}
+    expected = {}
     for number, (name, odd) in enumerate({"usual": {}, **SURROUNDINGS}.items()):
         folder = tmp_path / str(number) / odd.get("folder", "here")
         folder.mkdir(parents=True)
@@ -111,9 +109,7 @@ CUSTOM = {
 USED = ("LC_ALL=C", "LC_ALL=tr_TR.UTF-8", "PYTHONOPTIMIZE=2", "TZ=nonsense", "umask 077", "64 descriptors")
 
 
-def test_odd_surroundings_change_no_run(
-    tmp_path: Path, rows: Callable[[Path], list[Any]], show_row: Callable[..., None]
-) -> None:
+def test_odd_surroundings_change_no_run(tmp_path, rows, show_row):
     command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "evolve", "paper", "--simulator", "native"]
     command += ["--target", "TP3", "--evaluations", "24", "--workers", "2", "--seed", "3", "--out", "run"]
     expected, fell = None, []

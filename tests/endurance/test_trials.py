@@ -10,7 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,6 @@ from typing import Any
 
 import pytest
 
-Count = Callable[[str, int], int]
 Dask = Callable[..., subprocess.Popen[bytes]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 Row = tuple[Any, ...]
@@ -36,7 +35,7 @@ STUDY = ("evolve", "paper", "--simulator", "fake", "--target", "TP1", "--seed", 
 PAUSE = ("--set", "simulator.pause=0.02", "--out", "run")
 
 
-def read_rows(run: Path) -> set[Row]:
+def read_rows(run):
     """What a run has stored, also one that goes on or was killed."""
     try:
         with closing(sqlite3.connect(f"file:{run / 'run.db'}?mode=ro", uri=True)) as connection:
@@ -45,7 +44,7 @@ def read_rows(run: Path) -> set[Row]:
         return set()
 
 
-def wait_for_rows(run: Path, count: int, *processes: subprocess.Popen[Any]) -> None:
+def wait_for_rows(run, count, *processes):
     """Wait until a run has so many rows, or one of its processes has ended."""
     end = time.monotonic() + 600
     while len(read_rows(run)) < count and all(process.poll() is None for process in processes):
@@ -53,11 +52,11 @@ def wait_for_rows(run: Path, count: int, *processes: subprocess.Popen[Any]) -> N
         time.sleep(0.02)
 
 
-def wait_for_workers(nanny: int) -> list[int]:
+def wait_for_workers(nanny):
     """Return the worker processes that any thread of a nanny started, once there is one."""
     end = time.monotonic() + 600
     while True:
-        found: list[int] = []
+        found = []
         for task in Path(f"/proc/{nanny}/task").iterdir():
             with suppress(OSError):
                 found += map(int, (task / "children").read_text().split())
@@ -67,7 +66,7 @@ def wait_for_workers(nanny: int) -> list[int]:
         time.sleep(0.05)
 
 
-def finish(run: Program, start: Sequence[object], cwd: Path, rows: Rows) -> None:
+def finish(run, start, cwd, rows):
     """Resume a run to its end; it is then that of a run that nothing happened to."""
     done = run("resume", "run", "--workers", 1, cwd=cwd)
     assert done.returncode == 0, done.stderr
@@ -78,8 +77,8 @@ def finish(run: Program, start: Sequence[object], cwd: Path, rows: Rows) -> None
 
 
 def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
-    start: Start, run: Program, rows: Rows, tmp_path: Path, count_of: Count, show_row: ShowRow
-) -> None:
+    start, run, rows, tmp_path, count_of, show_row
+):
     kills, dice = count_of("KILLS", 100), random.Random(1)
     # Half a second of flights is written at once, which are 25.
     study = (*STUDY, "--evaluations", 60 * kills)
@@ -126,46 +125,37 @@ class Cluster:
     count: int
     show: ShowRow
 
-    def work(self, address: str, *options: str) -> subprocess.Popen[bytes]:
+    def work(self, address, *options):
         """Start a worker, or a nanny with one."""
         return self.dask("worker", address, "--nthreads", 1, "--no-dashboard", *options, cwd=self.folder)
 
-    def go_on(self, study: Sequence[object], address: str) -> subprocess.Popen[str]:
+    def go_on(self, study, address):
         """Start the run, or resume it."""
         words = ("resume", "run") if (self.folder / "run" / "run.db").exists() else (*study, *PAUSE)
         return self.start(*words, "--scheduler", address, cwd=self.folder)
 
-    def wait(self, rows: int, process: subprocess.Popen[str]) -> set[Row]:
+    def wait(self, rows, process):
         """Return the rows, once there are so many, of a run that goes on."""
         wait_for_rows(self.folder / "run", rows, process)
         assert process.poll() is None, process.communicate()[1]
         return read_rows(self.folder / "run")
 
-    def finish(self, study: Sequence[object], what: str, found: str) -> None:
+    def finish(self, study, what, found):
         finish(self.run, study, self.folder, self.rows)
         self.show("trials", f"{what} of a cluster that has stored rows", self.count, found)
 
 
 @pytest.fixture
-def cluster(
-    start: Start,
-    dask: Dask,
-    dask_scheduler: Scheduler,
-    run: Program,
-    rows: Rows,
-    tmp_path: Path,
-    count_of: Count,
-    show_row: ShowRow,
-) -> Cluster:
+def cluster(start, dask, dask_scheduler, run, rows, tmp_path, count_of, show_row):
     return Cluster(start, dask, dask_scheduler, run, rows, tmp_path, count_of("SIGNALS", 40), show_row)
 
 
-def send(process: int, number: int) -> None:
+def send(process, number):
     with suppress(ProcessLookupError):
         os.kill(process, number)
 
 
-def read_command(process: int) -> bytes:
+def read_command(process):
     try:
         return Path(f"/proc/{process}/cmdline").read_bytes()
     except OSError:
@@ -174,7 +164,7 @@ def read_command(process: int) -> bytes:
 
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+def test_a_cluster_that_loses_workers_loses_no_row(cluster, number):
     study, stored = (*STUDY, "--evaluations", 40 * cluster.count), set[Row]()
     with cluster.scheduler() as (address, _), ExitStack() as nannies, cluster.go_on(study, address) as process:
         nanny = nannies.enter_context(cluster.work(address))
@@ -200,7 +190,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: sig
 
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster, number):
     study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
     with cluster.scheduler() as (address, _), cluster.work(address, "--no-nanny") as worker:
         for _ in range(cluster.count):
@@ -220,7 +210,7 @@ def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster: Cluste
 
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster, number):
     study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
     for _ in range(cluster.count):
         with (

@@ -1,7 +1,6 @@
 """Reading pictures back, and bodies to draw."""
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 
 from driftform.agent import mass_properties
 from driftform.figures.layout import MINUS, text_width
-from driftform.types import Agent, Body, Coefficients, Core, End, FloatArray, Trajectory
+from driftform.types import Agent, Body, Coefficients, Core, End, Trajectory
 from driftform.water import Pipe, Scenario, Segment
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -19,10 +18,10 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 COMMAND = re.compile(r"([MLAZ])([^MLAZ]*)")
 
 
-def points_of(element: ET.Element) -> FloatArray:
+def points_of(element):
     """The points (n, 2) between which an element is drawn, its stroke left out."""
 
-    def get(key: str) -> float:
+    def get(key):
         return float(element.get(key, "0"))
 
     match element.tag.removeprefix(SVG):
@@ -57,32 +56,32 @@ class Picture:
     root: ET.Element
 
     @property
-    def size(self) -> tuple[float, float]:
+    def size(self):
         """Right and lower edge; a figure for a paper begins below its header."""
         left, top, width, height = (float(v) for v in self.root.get("viewBox", "").split())
         assert left == 0 and (top > 0) == self.root.get("font-family", "").startswith("Arial")
         return width, top + height
 
     @property
-    def top(self) -> float:
+    def top(self):
         return float(self.root.get("viewBox", "").split()[1])
 
     @property
-    def texts(self) -> list[str]:
+    def texts(self):
         return [e.text or "" for e in self._labels()]
 
-    def _labels(self) -> list[ET.Element]:
+    def _labels(self):
         """The texts, without the halos that lie below them."""
         return [e for e in self.root.iter(SVG + "text") if e.get("class") != "halo"]
 
-    def all(self, class_: str) -> list[ET.Element]:
+    def all(self, class_):
         return [e for e in self.root.iter() if e.get("class") == class_]
 
-    def one(self, class_: str) -> ET.Element:
+    def one(self, class_):
         (element,) = self.all(class_)
         return element
 
-    def outside(self) -> list[str]:
+    def outside(self):
         """What is drawn outside the picture."""
         found = []
         for element in self.root.iter():
@@ -94,7 +93,7 @@ class Picture:
                 found.append(ET.tostring(element, encoding="unicode"))
         return found
 
-    def overlapping_texts(self) -> list[tuple[str, str]]:
+    def overlapping_texts(self):
         boxes = [(e.text or "", points_of(e)) for e in self._labels()]
         return [
             (a, b)
@@ -103,7 +102,7 @@ class Picture:
             if (np.minimum(p[1], q[1]) - np.maximum(p[0], q[0]) > 0.5).all()
         ]
 
-    def to_world(self, points: FloatArray) -> FloatArray:
+    def to_world(self, points):
         """Page to metres, as a reader would do it: along the ticks of the (only) pair of axes."""
         columns = []
         for axis, name in enumerate(("tick-right", "tick-up")):
@@ -124,8 +123,8 @@ ATTRIBUTES = {
 
 
 @pytest.fixture(scope="session")
-def read() -> Callable[[str], Picture]:
-    def read_as_any_reader_does(text: str) -> Picture:
+def read():
+    def read_as_any_reader_does(text):
         root = ET.fromstring(text)
         for element in root.iter():
             assert element.tag.removeprefix(SVG) in ELEMENTS
@@ -136,18 +135,18 @@ def read() -> Callable[[str], Picture]:
 
 
 @pytest.fixture(scope="session")
-def points() -> Callable[[ET.Element], FloatArray]:
+def points():
     return points_of
 
 
-def agent_of(aft: float, fore: float, radii: list[float]) -> Agent:
+def agent_of(aft, fore, radii):
     """An agent with rims of ``radii`` (m) at equal distances from ``-aft`` to ``fore`` (m), and flat ends."""
     x = np.linspace(-aft, fore, len(radii))
     rims = np.column_stack([x, radii])
     wall = 0.00125
     inner = np.column_stack([np.clip(x, x[0] + wall, x[-1] - wall), np.array(radii) - wall])
 
-    def closed(contour: FloatArray) -> FloatArray:
+    def closed(contour):
         return np.vstack([contour[:1] * (1, 0), contour, contour[-1:] * (1, 0)])
 
     body = Body(closed(rims), closed(inner), x, Core(0.01, 0.05), wall, 1050.0)
@@ -155,12 +154,12 @@ def agent_of(aft: float, fore: float, radii: list[float]) -> Agent:
 
 
 @pytest.fixture(scope="session")
-def make_agent() -> Callable[[float, float, list[float]], Agent]:
+def make_agent():
     return agent_of
 
 
 @pytest.fixture(scope="session")
-def agents() -> st.SearchStrategy[Agent]:
+def agents():
     """Bodies from the bare core's size to the longest and the fattest."""
     return st.builds(
         agent_of,
@@ -171,7 +170,7 @@ def agents() -> st.SearchStrategy[Agent]:
 
 
 @pytest.fixture(scope="session")
-def pipe() -> Scenario:
+def pipe():
     """The pipe with some of its targets."""
     segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
     targets = {
@@ -186,10 +185,10 @@ def pipe() -> Scenario:
 
 
 @pytest.fixture(scope="session")
-def fly() -> Callable[..., Trajectory]:
+def fly():
     """Flights that go straight with 1 m/s, from the origin, pitched (positive nose down)."""
 
-    def make(*, rise: float = 0.0, sideways: float = 0.0, pitch: float = 0.0, samples: int = 50) -> Trajectory:
+    def make(*, rise=0.0, sideways=0.0, pitch=0.0, samples=50):
         t = np.linspace(0.0, 9.0, samples) if samples > 1 else np.zeros(1)
         course = np.array([1.0, sideways, rise])
         c, s = np.cos(pitch), np.sin(pitch)

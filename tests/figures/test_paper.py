@@ -1,7 +1,6 @@
 """Figures for papers: their size, text and colours."""
 
 import re
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ TITLE = "<What> stays out & of the 'picture'"
 
 
 @pytest.fixture(scope="module")
-def draw(pipe, fly, make_agent) -> dict[str, Callable[[Page], str]]:
+def draw(pipe, fly, make_agent):
     """Every picture of a run, by a name."""
     bodies = [make_agent(0.02 + 0.02 * i, 0.05, [0.012, 0.03 + 0.01 * i, 0.02]) for i in range(6)]
     flights = [
@@ -54,7 +53,7 @@ PICTURES = ("flight", "sideways", "overview", "reach", "search", "robustness", "
 
 @pytest.mark.parametrize("width_mm", [85.0, 180.0])
 @pytest.mark.parametrize("name", PICTURES)
-def test_a_figure_has_its_width_text_of_8_pt_and_no_title(read, draw, name: str, width_mm: float) -> None:
+def test_a_figure_has_its_width_text_of_8_pt_and_no_title(read, draw, name, width_mm):
     picture = read(draw[name](Page.find(width_mm)))
     assert picture.root.get("width") == f"{width_mm:g}mm"
     assert picture.root.get("font-family").startswith("Arial")
@@ -71,20 +70,20 @@ def test_a_figure_has_its_width_text_of_8_pt_and_no_title(read, draw, name: str,
 
 
 @pytest.mark.parametrize("name", PICTURES)
-def test_a_screen_shows_the_title_escaped_and_the_bytes_repeat(read, draw, name: str) -> None:
+def test_a_screen_shows_the_title_escaped_and_the_bytes_repeat(read, draw, name):
     text = draw[name](Page())
     assert TITLE in read(text).texts
     assert draw[name](Page()) == text
 
 
-def test_lines_differ_in_their_dashes_on_paper_alone(read, draw) -> None:
+def test_lines_differ_in_their_dashes_on_paper_alone(read, draw):
     dashes = [line.get("stroke-dasharray") for line in read(draw["overview"](Page.find(85.0))).all("firm")]
     assert len(set(dashes)) == len(DASHES) and dashes[0] == "none"
     assert [line.get("stroke-dasharray") for line in read(draw["overview"](Page())).all("firm")] == [None] * 6
 
 
 @pytest.mark.peers
-def test_the_pdf_has_the_width_and_holds_its_fonts(draw, tmp_path) -> None:
+def test_the_pdf_has_the_width_and_holds_its_fonts(draw, tmp_path):
     page = Page.find(85.0)
     _, pdf = write_picture(tmp_path / "flight.svg", draw["flight"](page), page)
     content = pdf.read_bytes()

@@ -20,7 +20,7 @@ def reach(pipe, rising):
     return map_coverage(rising, PipeGrid.of_scenario(pipe))
 
 
-def boxes(path) -> np.ndarray:
+def boxes(path):
     """The lower left corners and the extents of the rectangles that a path is made of, px, (n, 4)."""
     found = []
     for part in path.get("d").split("Z")[:-1]:
@@ -30,7 +30,7 @@ def boxes(path) -> np.ndarray:
     return np.array(found)
 
 
-def cells_of(picture, path, cells: PipeGrid) -> set[int]:
+def cells_of(picture, path, cells):
     """The cells whose middles lie inside the rectangles of a path."""
     found = set()
     for left, top, width, height in boxes(path):

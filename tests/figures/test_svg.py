@@ -70,7 +70,7 @@ def test_a_title_of_a_scenario_is_whole():
         assert " ".join(fit_title(words, 20, 856)[1]) == words
 
 
-def overlap_area(one: Box, other: Box) -> float:
+def overlap_area(one, other):
     """The area that two boxes share, px2."""
     w = min(one.right, other.right) - max(one.left, other.left)
     h = min(one.bottom, other.bottom) - max(one.top, other.top)

@@ -1,8 +1,6 @@
 """Solid bodies that turbulent water carries through a straight pipe: flights with inertia, drag and lift, and where they end."""
 
-from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from tracers import spread_evenly, straight_pipe
@@ -13,7 +11,6 @@ from driftform.motion.forces.model import flight_model
 from driftform.motion.forces.state import release_state
 from driftform.motion.path.clearance import wall_clearances
 from driftform.types import Agent, Body, End, FloatArray, Trajectory
-from driftform.water import Scenario
 from driftform.water.velocity import flow_array, pipe_rows, water_motion
 from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_panels.solve import PanelMethod, PanelOptions
@@ -26,7 +23,7 @@ COUPLE = "couple"
 """The couple of creeping motion as a term to leave out, besides those of ``drag_without``."""
 
 
-def make_carried_agent(body: Body, scenario: Scenario, ratio: float = 1.0, without: Collection[str] = ()) -> Agent:
+def make_carried_agent(body, scenario, ratio=1.0, without=()):
     """Return an agent with this body, of ``ratio`` times the mass of the water that it displaces, and no righting moment.
 
     ``without`` are terms of the drag to leave out.
@@ -46,7 +43,7 @@ RANKS = 400
 """Places of a section among which that of a body is ranked."""
 
 
-def find_free_places(quaternion: FloatArray, scenario: Scenario, agent: Agent) -> FloatArray:
+def find_free_places(quaternion, scenario, agent):
     """Return those of :data:`RANKS` places of the section that the agent's origin can reach in an attitude, m, (n, 3)."""
     places = spread_evenly(RANKS, scenario.pipe.layout.inlet.radius)
     still = Trajectory(np.zeros(RANKS), places, np.tile(quaternion, (RANKS, 1)), np.zeros((RANKS, 6)), End.HORIZON)
@@ -85,18 +82,18 @@ class Carrying:
     without: tuple[str, ...] = ()
 
     @property
-    def scenario(self) -> Scenario:
+    def scenario(self):
         times = 2 * self.radius / self.speed * np.array(self.diameters)
         return straight_pipe(
             self.radius, self.speed, length=6 * self.speed * times[-1] + 1.0, flight={"horizon": 1.01 * times[-1]}
         )
 
     @property
-    def room(self) -> float:
+    def room(self):
         """The radius that the body's centre can reach, m."""
         return self.radius - self.body.max_diameter / 2
 
-    def fly(self, seed: int, place: list[float]) -> FloatArray:
+    def fly(self, seed, place):
         """Return x, z, clearance (m), the share of the area that is nearer to the axis, and its mean speed of water (m/s).
 
         They are for each time, (k, 5); the speed is the mean over the attitudes at the release and at all times up to it.
@@ -123,7 +120,7 @@ class Carrying:
         nearer = [np.mean(inner < r) for inner, r in zip(free, off, strict=True)]
         return np.column_stack([part.position[:, [0, 2]], wall_clearances(part, there, agent), nearer, even])
 
-    def release_at(self, place: list[float], axis: FloatArray | tuple[float, ...] = (1.0, 0.0, 0.0)) -> Scenario:
+    def release_at(self, place, axis=(1.0, 0.0, 0.0)):
         """Return the scenario with a release of the body at ``place`` (m) with its ``axis``; world frame."""
         scenario, (x, y, z) = self.scenario, axis
         turned = {
@@ -133,7 +130,7 @@ class Carrying:
         release = scenario.release.model_copy(update={"position": tuple(place), "frame": "world", **turned})
         return scenario.model_copy(update={"release": release})
 
-    def observe(self, count: int, run: Callable[..., Iterable[Any]] = map) -> list[Carried]:
+    def observe(self, count, run=map):
         """Return what ``count`` bodies do that are released evenly over the room of their centres; ``run`` is a map."""
         places = [place.tolist() for place in spread_evenly(count, self.room)]
         found = np.array(list(run(self.fly, range(count), places)))
@@ -147,11 +144,11 @@ class Carrying:
             carried.append(Carried(*shares, float(speeds.mean()), error, z))
         return carried
 
-    def even_speed(self) -> float:
+    def even_speed(self):
         """Return the mean speed of the water, as such bodies meet it, over the room of their centres, m/s."""
         return self.mean_speed(self.room * np.sqrt((np.arange(2000) + 0.5) / 2000))
 
-    def mean_speed(self, r: FloatArray) -> float:
+    def mean_speed(self, r):
         """Return the mean speed of the water, as such bodies meet it along the pipe, at distances (m) from its axis, m/s."""
         scenario = self.scenario
         pipe, flow = pipe_rows(scenario), flow_array(scenario)

@@ -1,14 +1,12 @@
 """A real browser."""
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 
-def start_chromium(profile: Path, *arguments: str, **preferences: str) -> Any:
+def start_chromium(profile, *arguments, **preferences):
     """Return headless Chromium with its logs, or skip the test if it is not installed."""
     for program in ("chromium", "chromedriver"):
         if shutil.which(program) is None:
@@ -31,14 +29,14 @@ def start_chromium(profile: Path, *arguments: str, **preferences: str) -> Any:
     return webdriver.Chrome(options=options, service=service)
 
 
-def measure_pixels(browser: Any, view: str) -> tuple[float, int]:
+def measure_pixels(browser, view):
     """Return the share of a canvas that something is drawn on, and a number that any change of it changes."""
     share, digest = browser.execute_script(Path(__file__).with_name("pixels.js").read_text(encoding="utf-8"), view)
     return share, digest
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+def browser(tmp_path_factory):
     """Headless Chromium without a network."""
     driver = start_chromium(tmp_path_factory.mktemp("profile"))
     driver.execute_cdp_cmd("Network.enable", {})

@@ -3,7 +3,7 @@
 import numpy as np
 
 from driftform.interfaces import PhenotypeBuilder, Table
-from driftform.types import Body, Core, Moments, Morphology
+from driftform.types import Body, Core, Moments
 
 RADIUS = 0.02
 """Of the bodies, m."""
@@ -15,7 +15,7 @@ class Cigars(PhenotypeBuilder[Table]):
     name = "cigars"
     most = 0.5
 
-    def build(self, morphology: Morphology) -> Body:
+    def build(self, morphology):
         aft, fore = (
             0.03 + sum(m.length + 0.001 * (index + 1) * m.tilt for index, m in enumerate(side))
             for side in (morphology.aft, morphology.fore)
@@ -33,7 +33,7 @@ class Cigars(PhenotypeBuilder[Table]):
             ballast_density=11_000.0,
         )
 
-    def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+    def find_tunings(self, morphology):
         return (0.0, self.most)
 
 

@@ -6,7 +6,6 @@ functions (Lamb, Hydrodynamics, 6th ed., section 127).
 
 import math
 from dataclasses import replace
-from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -17,11 +16,11 @@ from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shif
 from driftform.motion.path.curve import evaluate_path, world_velocity
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing import SimulatorContract
-from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
+from driftform.testing.agents import DENSITY, GRAVITY, sphere_agent, tumbling_agent
 from driftform.testing.simulator import HEAVY, NEUTRAL, NEUTRAL_MASS, RADIUS, SPHEROID, largest_distance, water_scenario
-from driftform.types import Agent, Coefficients, Drag, FloatArray, Trajectory
+from driftform.types import Coefficients, Drag
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Scenario
+from driftform.water import Fluid
 from driftform.water.flow import UniformFlow
 
 
@@ -34,7 +33,7 @@ class Libration:
     Its period is four quarter periods of the pendulum, s; its greatest yaw rate is sigma k, rad/s.
     """
 
-    def __init__(self, spheroid: Spheroid, u: float, v: float) -> None:
+    def __init__(self, spheroid, u, v):
         self._along, self._across, turning = total_of(spheroid)
         self._impulse = math.hypot(self._along * u, self._across * v)
         self._start = math.atan2(self._across * v, self._along * u)
@@ -44,7 +43,7 @@ class Libration:
         self.period = 4 * float(ellipk(self._k**2)) / self._sigma
         self.max_yaw_rate = self._sigma * self._k
 
-    def motion_at(self, t: FloatArray) -> FloatArray:
+    def motion_at(self, t):
         """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at the times (s, (n,)), (n, 4)."""
         sn, cn, dn, _ = ellipj(self._sigma * t, self._k**2)
         sine, cosine = -self._k * cn / dn, self._rest / dn
@@ -53,9 +52,7 @@ class Libration:
         return np.column_stack([surge, sway, yaw_rate, self._start - (np.arctan2(sine, cosine) + math.pi / 2)])
 
 
-def invariants(
-    agent: Agent, scenario: Scenario, trajectory: Trajectory
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def invariants(agent, scenario, trajectory):
     """Return energies and impulses along a flight in a uniform current, seen from the water.
 
     These are the kinetic energy of body and water, and the same plus the potential energy of weight and buoyancy, J,
@@ -79,18 +76,18 @@ def invariants(
     return kinetic, kinetic + potential, impulse, turning
 
 
-def total_of(spheroid: Spheroid) -> tuple[float, float, float]:
+def total_of(spheroid):
     """Return mass with added mass along and across the axis (kg), and the same of the inertia (kg m2)."""
     k1, k2, turning = spheroid.factors
     return (1 + k1) * spheroid.mass, (1 + k2) * spheroid.mass, (1 + turning) * spheroid.inertia
 
 
-def largest_drift(values: FloatArray) -> float:
+def largest_drift(values):
     """Return the largest change of any component since the first sample."""
     return float(np.abs(values - values[0]).max())
 
 
-def wall_depths(agent: Agent, trajectory: Trajectory, radius: float) -> FloatArray:
+def wall_depths(agent, trajectory, radius):
     """Return how far (m) the agent extends beyond the wall of a pipe along x, at each sample, (k,).
 
     ``radius`` (m) is the pipe's. Every rim of the body is sampled in steps of 5 degrees.
@@ -109,7 +106,7 @@ class ClosedForms(SimulatorContract):
 
     # Motions in a straight line.
 
-    def test_the_core_alone_falls_with_its_added_mass(self) -> None:
+    def test_the_core_alone_falls_with_its_added_mass(self):
         """a = (m - rho V) g / (m + m_A): a sphere of 0.05 kg falls with 8.59957 m/s2, without added mass with 8.96844 m/s2.
 
         A massless sphere rises with 2 g: coefficients of zero are valid, and so is a body without inertia.
@@ -124,7 +121,7 @@ class ClosedForms(SimulatorContract):
             assert np.abs(trajectory.position[:, :2]).max() < 1e-9
             np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-9)
 
-    def test_drag_leads_to_the_terminal_velocity(self) -> None:
+    def test_drag_leads_to_the_terminal_velocity(self):
         """v = v_t tanh(t / tau) with quadratic damping: for Cd 0.47, 2.4355 m/s and 0.28321 s; 42.133 mm in 0.1 s."""
         drag = 0.5 * DENSITY * 0.47 * math.pi * RADIUS**2
         weight = (0.05 - NEUTRAL_MASS) * GRAVITY
@@ -139,7 +136,7 @@ class ClosedForms(SimulatorContract):
             speed = terminal * np.tanh(trajectory.t / tau)
             np.testing.assert_allclose(-trajectory.velocity[:, 2], speed, atol=self.accuracy * 1e-1)
 
-    def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
+    def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self):
         """A cylinder reaches the speed at which its drag, of strips and of creeping, equals its net weight."""
         length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
         strips = np.array([[x, diameter, length / 6, 1.0] for x in np.linspace(-0.125, 0.125, 6)])
@@ -154,7 +151,7 @@ class ClosedForms(SimulatorContract):
 
     # Kirchhoff's equations.
 
-    def test_the_spheroid_librates_as_in_closed_form(self) -> None:
+    def test_the_spheroid_librates_as_in_closed_form(self):
         """From u = 1, v = 0.01, r = 0 surge, sway, yaw rate and heading follow Jacobi's elliptic functions for a period.
 
         The period is 1.128094 s, and the greatest yaw rate 19.09224 rad/s.
@@ -172,7 +169,7 @@ class ClosedForms(SimulatorContract):
         assert np.abs(trajectory.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
 
     @pytest.mark.parametrize("seed", range(10))
-    def test_a_flight_agrees_with_fossens_equations(self, seed: int) -> None:
+    def test_a_flight_agrees_with_fossens_equations(self, seed):
         """A body without symmetry, whose centres all lie elsewhere, flies as matrices and another integrator say."""
         agent, scenario = random_case(seed)
         trajectory = self.fly(agent, scenario)
@@ -183,7 +180,7 @@ class ClosedForms(SimulatorContract):
 
     # Invariances.
 
-    def test_a_current_is_a_change_of_frame(self) -> None:
+    def test_a_current_is_a_change_of_frame(self):
         """Galilei: the motion in a uniform steady current U is that in still water with the velocity v - U, plus the drift U t."""
         agent = tumbling_agent(damped=True)
         there = self.fly(agent, water_scenario(2.0, (1.3, 0.2, -0.1), speed=1.0, pitch_deg=20.0))
@@ -194,7 +191,7 @@ class ClosedForms(SimulatorContract):
         R, Q = (matrix_from_quaternion(trajectory.quaternion[-1]) for trajectory in (there, here))
         np.testing.assert_allclose(R, Q, atol=10 * self.agreement)
 
-    def test_the_choice_of_origin_does_not_matter(self) -> None:
+    def test_the_choice_of_origin_does_not_matter(self):
         """The same agent with another origin of its body axes flies the same: A' = H^T A H for all its matrices."""
         agent, offset = tumbling_agent(damped=True), np.array([0.02, -0.01, 0.005])
         mass, coefficients = agent.mass, agent.coefficients
@@ -209,7 +206,7 @@ class ClosedForms(SimulatorContract):
             np.testing.assert_allclose(there, added_mass_at(coefficients, point), atol=1e-12)
         self._assert_flies_the_same(agent, moved, offset)
 
-    def test_coefficients_may_refer_to_any_point(self) -> None:
+    def test_coefficients_may_refer_to_any_point(self):
         """``Coefficients.origin`` counts: the added mass may refer to another point."""
         agent = tumbling_agent()
         c, elsewhere = agent.coefficients, np.array([-0.03, 0.0, 0.02])
@@ -220,7 +217,7 @@ class ClosedForms(SimulatorContract):
         other = replace(agent, coefficients=Coefficients(matrix, origin=elsewhere))
         self._assert_flies_the_same(agent, other, np.zeros(3))
 
-    def test_free_motion_conserves_energy_impulse_and_angular_impulse(self) -> None:
+    def test_free_motion_conserves_energy_impulse_and_angular_impulse(self):
         """Without gravity a tumbling body exchanges them with the water, and the sums are constant."""
         agent = tumbling_agent()
         scenario = water_scenario(3.0, (1.0, 0.2, -0.1), pitch_deg=20.0, speed=0.5, gravity=0.0)
@@ -232,7 +229,7 @@ class ClosedForms(SimulatorContract):
         assert largest_drift(impulse) <= self.drift * scale
         assert largest_drift(angular_impulse) <= self.drift * scale * agent.body.length
 
-    def test_weight_and_buoyancy_do_the_work_of_their_heights(self) -> None:
+    def test_weight_and_buoyancy_do_the_work_of_their_heights(self):
         """With gravity the energy is conserved too, and so are the impulses that a vertical force cannot change."""
         agent = tumbling_agent()
         scenario = water_scenario(3.0, (0.5, 0.1, 0.0), pitch_deg=20.0)
@@ -249,9 +246,7 @@ class ClosedForms(SimulatorContract):
     @pytest.mark.parametrize(
         ("shape", "force", "share"), [("sphere", "full", 1.0), ("spheroid", "full", 1.0), ("sphere", "paper", 1 / 3)]
     )
-    def test_a_neutral_body_moves_with_accelerating_water(
-        self, shape: str, force: Literal["full", "paper"], share: float
-    ) -> None:
+    def test_a_neutral_body_moves_with_accelerating_water(self, shape, force, share):
         """This holds at any attitude; without the pressure gradient, as in the paper, m_A / (m + m_A) of it is left."""
         agent = NEUTRAL if shape == "sphere" else SPHEROID.agent()
         fluid = Fluid(density=DENSITY, gravity=GRAVITY, flow_force=force)
@@ -261,7 +256,7 @@ class ClosedForms(SimulatorContract):
         np.testing.assert_allclose(trajectory.position, expected, atol=1e-6)
         np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-6)
 
-    def test_a_floating_sphere_bobs_with_the_stiffness_of_its_waterline(self) -> None:
+    def test_a_floating_sphere_bobs_with_the_stiffness_of_its_waterline(self):
         """A sphere of half the density of water floats half under; the square of its frequency is pi r^2 rho g over its mass."""
         agent = sphere_agent(0.05, 0.5 * DENSITY * 4 / 3 * math.pi * 0.05**3)
         fluid = Fluid(density=DENSITY, gravity=GRAVITY, water_level=0.0)
@@ -276,7 +271,7 @@ class ClosedForms(SimulatorContract):
         half_period = math.pi * math.sqrt(swinging / stiffness)
         assert float(np.diff(crossings).mean()) == pytest.approx(half_period, rel=0.02)
 
-    def test_the_estimated_error_covers_the_true_error(self) -> None:
+    def test_the_estimated_error_covers_the_true_error(self):
         """The estimate covers the error against the libration's closed form, and is at most 1 mm."""
         trajectory = self.fly(SPHEROID.agent(), water_scenario(1.0, (1.0, 0.01, 0.0)))
         assert trajectory.error is not None and 0 <= trajectory.error <= 1e-3
@@ -287,9 +282,9 @@ class ClosedForms(SimulatorContract):
         off = np.trapezoid(speed[:, 0] + 1j * speed[:, 1] - expected, trajectory.t)
         assert abs(off) <= 3 * trajectory.error + 1e-6
 
-    def _assert_flies_the_same(self, agent: Agent, other: Agent, offset: FloatArray) -> None:
+    def _assert_flies_the_same(self, agent, other, offset):
         """Assert that two descriptions of one agent, with origins ``offset`` (m) apart in its body axes, fly the same."""
-        release: dict[str, Any] = {"velocity": (0.3, 0.2, -0.1), "pitch_deg": 20.0}
+        release = {"velocity": (0.3, 0.2, -0.1), "pitch_deg": 20.0}
         scenario = water_scenario(2.0, **release)
         start = matrix_from_quaternion(scenario.release_quaternion()) @ offset
         elsewhere = water_scenario(2.0, **release, position=tuple(start.tolist()))
@@ -301,7 +296,7 @@ class ClosedForms(SimulatorContract):
         back = evaluate_path(again.t, again.position - turned, velocity, times)
         assert largest_distance(interpolate_positions(trajectory, times), back) < self.agreement
 
-    def test_the_first_contact_with_the_wall_is_recorded(self) -> None:
+    def test_the_first_contact_with_the_wall_is_recorded(self):
         """A sphere that falls freely through half a metre touches after sqrt(2 s / a); in open water ``contact`` is ``None``."""
         acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
         trajectory = self.fly(HEAVY, water_scenario(0.6, speed=1.0, pipe=(9.0, 0.5)))
@@ -310,13 +305,13 @@ class ClosedForms(SimulatorContract):
         assert trajectory.contact == pytest.approx(fallen, rel=self.accuracy)
         assert self.fly(HEAVY, water_scenario(0.5)).contact is None
 
-    def test_the_energy_drift_is_recorded_if_energy_is_conserved(self) -> None:
+    def test_the_energy_drift_is_recorded_if_energy_is_conserved(self):
         """Free motion conserves the energy; for damped motion ``energy_drift`` is ``None``."""
         trajectory = self.fly(SPHEROID.agent(), water_scenario(1.2, (1.0, 0.01, 0.0)))
         assert trajectory.energy_drift is not None and trajectory.energy_drift <= self.drift
         assert self.fly(tumbling_agent(damped=True), water_scenario(0.5)).energy_drift is None
 
 
-def agent_of(mass: float) -> Agent:
+def agent_of(mass):
     agent = SPHEROID.agent()
     return replace(agent, mass=replace(agent.mass, mass=mass))

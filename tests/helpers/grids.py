@@ -1,7 +1,5 @@
 """Velocities on a grid as other programs write them: tables, NetCDF and VTK."""
 
-from pathlib import Path
-
 import numpy as np
 
 NAMES = ("x", "y", "z", "u", "v", "w")
@@ -12,7 +10,7 @@ def table_of(grid):
     return np.concatenate([grid.nodes(), grid.velocity], axis=3).reshape(-1, 6)
 
 
-def write_csv(path: Path, table, names=NAMES):
+def write_csv(path, table, names=NAMES):
     np.savetxt(path, table, "%.17g", ",", header=",".join(names), comments="")
 
 
@@ -20,7 +18,7 @@ def axes_of(grid):
     return [o + s * np.arange(n) for o, s, n in zip(grid.origin, grid.spacing, grid.shape, strict=True)]
 
 
-def write_netcdf3(path: Path, grid, order=(0, 1, 2)):
+def write_netcdf3(path, grid, order=(0, 1, 2)):
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w") as file:
@@ -33,7 +31,7 @@ def write_netcdf3(path: Path, grid, order=(0, 1, 2)):
             variable[:] = np.nan_to_num(grid.velocity[..., i], nan=-999.0).transpose(order)
 
 
-def write_netcdf4(path: Path, grid, attributes=None, kind="f8", packed=lambda values: values):
+def write_netcdf4(path, grid, attributes=None, kind="f8", packed=lambda values: values):
     """Write a grid with attributes {variable: {key: value}}; ``packed`` turns the velocities into what is stored."""
     import netCDF4
 
@@ -77,7 +75,7 @@ def make_data_set(grid, kind):
     return data
 
 
-def write_vtk(path: Path, data, mode):
+def write_vtk(path, data, mode):
     """Write a data set as VTK 9 does, legacy or XML."""
     from vtkmodules.vtkIOLegacy import vtkDataSetWriter
     from vtkmodules.vtkIOXML import vtkXMLDataSetWriter

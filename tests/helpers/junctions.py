@@ -1,10 +1,8 @@
 """Flights along straight lines in a pipe with one tee, whose branch leads up."""
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.types import End, Trajectory
 from driftform.water import Scenario
@@ -20,12 +18,12 @@ PARTS = [
 ]
 
 
-def junction_scenario(**targets: Any) -> Scenario:
+def junction_scenario(**targets):
     """Return the scenario of the pipe, with targets that are points or outlets."""
     return Scenario.model_validate({"pipe": {"radius": 0.1, "parts": PARTS}, "targets": targets})
 
 
-def fly_along(*corners: npt.ArrayLike, end: End = End.OUTLET) -> Trajectory:
+def fly_along(*corners, end=End.OUTLET):
     """Return a flight along straight lines at 1 m/s, with a sample every 20 mm."""
     points = [np.array(p, dtype=float) for p in corners]
     lines = [np.linspace(a, b, 1 + round(np.linalg.norm(b - a) / 0.02)) for a, b in pairwise(points)]

@@ -24,11 +24,11 @@ parser.add_argument("--times", nargs="*", type=float, default=[0.0])
 given = parser.parse_args()
 
 rospy.init_node("listen", anonymous=True)
-counts: dict[str, int] = collections.Counter()
+counts = collections.Counter()
 kept = []
 
 
-def count(topic: str, _: object) -> None:
+def count(topic, _):
     counts[topic] += 1
 
 

@@ -7,12 +7,9 @@ is tilted, its scale is a little wrong, its frames do not begin at the release, 
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from driftform import Pipeline
-from driftform.types import FloatArray, Morphology
 from driftform.water import Factors
-from driftform_calibration.bench import Bench, Path, ReleaseError
+from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.camera import VIEWS, Camera, see_points
 from driftform_calibration.problem import RELEASE_ANGLE, RELEASE_RISE, RELEASE_SPEED, Filmed
 from driftform_calibration.tracks import Track, check_track
@@ -56,7 +53,7 @@ EXACT = Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
 """Films without errors but those of rounding."""
 
 
-def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, depth: float = 1.0) -> Bench:
+def place_drop(pipeline, morphology, pitch_deg, depth=1.0):
     """Return the bench of a release from rest in a tank of that depth (m): near the surface, or near the floor if it floats."""
     bench = Bench.of(pipeline, morphology)
     start = -0.1 if bench.net_weight > 0 else 0.3 - depth
@@ -69,16 +66,14 @@ def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, dep
     return replace(bench, scenario=bench.scenario.model_copy(update={"pipe": pipe, "release": release}))
 
 
-def draw_world(bench: Bench, rng: np.random.Generator, spread: float = 0.3) -> Factors:
+def draw_world(bench, rng, spread=0.3):
     """Return factors of a world that differ from 1 by up to ``spread``; the hull's density by so much of the net weight."""
     axial, cross, added, weight, restitution, friction = rng.uniform(1 - spread, 1 + spread, 6).tolist()
     hull = 1 + (weight - 1) * bench.net_weight / bench.hull_weight
     return Factors(axial, cross, added, float(np.clip(hull, 0.3, 3.0)), restitution, friction)
 
 
-def film_flight(
-    bench: Bench, world: Factors, rng: np.random.Generator, filming: Filming | None = None, name: str = "film.csv"
-) -> Filmed:
+def film_flight(bench, world, rng, filming=None, name="film.csv"):
     """Return a film of a flight in a world, up to the surface at z = 0."""
     how = filming or Filming()
     path = bench.fly(world, _release_by_hand(rng, how.release), how.longest)
@@ -95,14 +90,14 @@ def film_flight(
     [seen] = see_points(_look_down(path, how, rng) if how.look_down else path, blank, VIEWS["side"], camera)
     if how.barrel:
         seen = _bend(seen, how.barrel, rng)
-    noisy: FloatArray = seen + rng.normal(0.0, how.noise, seen.shape)
+    noisy = seen + rng.normal(0.0, how.noise, seen.shape)
     if how.lost:
         kept = _keep_frames(len(t), how.lost, rng)
         noisy, blank = noisy[kept], replace(blank, t=t[: len(kept)])
     return Filmed(bench, check_track(name, replace(blank, points=noisy[None])))
 
 
-def _look_down(path: Path, how: Filming, rng: np.random.Generator) -> Path:
+def _look_down(path, how, rng):
     """Return a flight as a pinhole at a distance D sees it that looks down by p at the release, in the plane y = 0.
 
     Points X from the release, of depth D + X.f along the view f, appear at D (X.r, X.u) / (D + X.f). The scale is that of
@@ -116,23 +111,23 @@ def _look_down(path: Path, how: Filming, rng: np.random.Generator) -> Path:
     return replace(path, position=path.position[0] + seen, velocity=np.gradient(seen, path.t, axis=0))
 
 
-def _bend(seen: FloatArray, barrel: float, rng: np.random.Generator) -> FloatArray:
+def _bend(seen, barrel, rng):
     half = np.ptp(seen, axis=0) / 2 / 0.9
     height = max(half[1], half[0] * 9 / 16)
     middle = seen.min(axis=0) + np.ptp(seen, axis=0) / 2 + rng.uniform(-0.1, 0.1, 2) * height
     off = (seen - middle) / (height * np.hypot(1.0, 16 / 9))
-    bent: FloatArray = middle + (seen - middle) * (1 - barrel * (off**2).sum(axis=1, keepdims=True))
+    bent = middle + (seen - middle) * (1 - barrel * (off**2).sum(axis=1, keepdims=True))
     return bent
 
 
-def _keep_frames(count: int, lost: float, rng: np.random.Generator) -> npt.NDArray[np.intp]:
+def _keep_frames(count, lost, rng):
     if lost < 0:
         period = round(-1 / lost)
         return np.flatnonzero((np.arange(count) + rng.integers(period)) % period != 0)
     return np.flatnonzero(rng.uniform(size=count) >= lost)
 
 
-def _release_by_hand(rng: np.random.Generator, share: float) -> ReleaseError:
+def _release_by_hand(rng, share):
     pitch, yaw = share * rng.normal(0.0, RELEASE_ANGLE, 2)
     right, up = share * rng.normal(0.0, RELEASE_SPEED, 2)
     return ReleaseError(float(pitch), float(yaw), (float(right), 0.0, float(up)), share * rng.normal(0.0, RELEASE_RISE))

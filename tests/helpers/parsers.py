@@ -4,45 +4,44 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
 
 
-def give_back(*values: Any) -> Any:
+def give_back(*values):
     return values
 
 
-def give_code() -> Any:
+def give_code():
     return give_back
 
 
-def loop() -> None:
+def loop():
     while True:
         pass
 
 
-def sleep() -> None:
+def sleep():
     time.sleep(600)
 
 
-def take_memory() -> int:
+def take_memory():
     return sum(np.ones(1 << 27).nbytes for _ in range(64))
 
 
-def crash() -> None:
+def crash():
     os.abort()
 
 
-def leave() -> None:
+def leave():
     print("no licence")
     sys.exit(3)
 
 
-def fail(kind: str, text: str) -> None:
-    kinds: dict[str, type[Exception]] = {
+def fail(kind, text):
+    kinds = {
         "input": InputError,
         "work": WorkFailedError,
         "value": ValueError,
@@ -53,6 +52,6 @@ def fail(kind: str, text: str) -> None:
     raise kinds[kind](text)
 
 
-def leave_files() -> str:
+def leave_files():
     Path("scratch").write_text("x", encoding="utf-8")
     return str(Path.cwd())

@@ -2,18 +2,14 @@
 
 import math
 import zipfile
-from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.types import Agent, Body, Coefficients, FloatArray, Module, Morphology
+from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
 
 _TILTS = {"u": math.radians(20), "n": -math.radians(20), "s": 0.0}
@@ -25,19 +21,19 @@ TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 """A tetrahedron that no rotation takes to itself, mm."""
 
 
-def chain_body(fore: str = "", aft: str = "", **options: object) -> Body:
+def chain_body(fore="", aft="", **options):
     """Return a body of modules of 10 mm: u widens by 20 degrees, n narrows, s goes straight on."""
     sides = [tuple(Module(0.01, _TILTS[letter]) for letter in side) for side in (fore, aft)]
     return FrustaBuilder(FrustaOptions.model_validate(options)).build(Morphology(*sides))
 
 
-def job_of(body: Body, name: str = "agent", gravity: float = 9.81) -> ExportJob:
+def job_of(body, name="agent", gravity=9.81):
     """Return a body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
     return ExportJob(name, agent, Scenario.model_validate({"fluid": {"density": 1000.0, "gravity": gravity}}))
 
 
-def weigh_meshes(body: Body, options: PartOptions) -> tuple[float, FloatArray, FloatArray]:
+def weigh_meshes(body, options):
     """Return mass (kg), centre of gravity (m) and inertia about it (kg m2) of the meshes of the parts and the core."""
     mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
     for part in make_parts(body, options):
@@ -55,20 +51,17 @@ def weigh_meshes(body: Body, options: PartOptions) -> tuple[float, FloatArray, F
     return mass, cog, np.trace(second) * np.eye(3) - second
 
 
-def mesh_xml(vertices: npt.ArrayLike = CORNERS, triangles: npt.ArrayLike = TRIANGLES) -> str:
+def mesh_xml(vertices=CORNERS, triangles=TRIANGLES):
     """Return a mesh as 3MF has it."""
     corners = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in np.asarray(vertices).tolist())
     faces = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*t) for t in np.asarray(triangles).tolist())
     return f"<mesh><vertices>{corners}</vertices><triangles>{faces}</triangles></mesh>"
 
 
-def write_3mf(
-    path: Path,
-    objects: str = f'<object id="1">{mesh_xml()}</object>',
-    items: str = '<item objectid="1"/>',
-    unit: str = "millimeter",
-    attached: Mapping[str, str] | None = None,
-) -> Path:
+OBJECT = f'<object id="1">{mesh_xml()}</object>'
+
+
+def write_3mf(path, objects=OBJECT, items='<item objectid="1"/>', unit="millimeter", attached=None):
     """Write a 3MF file of the text of its objects and its items, with other files by their names."""
     model = f'<model unit="{unit}" xmlns="{_MODEL}"><resources>{objects}</resources><build>{items}</build></model>'
     relationship = f'<Relationship Id="r" Target="/3D/parts.model" Type="{_START}"/>'
@@ -80,7 +73,7 @@ def write_3mf(
     return path
 
 
-def edit_archive(path: Path, added: Mapping[str, bytes] | None = None, removed: Sequence[str] = ()) -> None:
+def edit_archive(path, added=None, removed=()):
     """Replace files of an archive, or add them, and remove others."""
     with zipfile.ZipFile(path) as archive:
         held = {entry: archive.read(entry) for entry in archive.namelist() if entry not in removed}

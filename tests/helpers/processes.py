@@ -1,20 +1,19 @@
 """What tests of running programs share: waiting, whether a process lives, and how far a run is."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 from driftform.errors import InputError
 from driftform.runs.monitor import RunMonitor
 
 
-def make_arguments(evaluations: int) -> tuple[str | int, ...]:
+def make_arguments(evaluations):
     """Return the arguments of a run for two targets with the fake simulator."""
     targets = ("--target", "TP1", "--target", "TP8")
     return ("paper", *targets, "--evaluations", evaluations, "--seed", 5, "--simulator", "fake")
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 600.0) -> None:
+def wait_until(condition, seconds=600.0):
     """Wait for a condition; fail if it does not hold in time."""
     end = time.monotonic() + seconds
     while not condition():
@@ -22,7 +21,7 @@ def wait_until(condition: Callable[[], bool], seconds: float = 600.0) -> None:
         time.sleep(0.02)
 
 
-def is_alive(process: int) -> bool:
+def is_alive(process):
     """Return whether a process runs, by ``/proc``."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -30,14 +29,14 @@ def is_alive(process: int) -> bool:
         return False
 
 
-def look(directory: Path) -> RunMonitor:
+def look(directory):
     """Read a run once."""
     monitor = RunMonitor(directory)
     monitor.poll()
     return monitor
 
 
-def count_evaluations(directory: Path) -> int:
+def count_evaluations(directory):
     """Return how many evaluations a run holds; 0 while it has not begun."""
     try:
         return look(directory).status.done

@@ -2,15 +2,12 @@
 
 import shutil
 import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 
 @pytest.fixture
-def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+def call(tmp_path, monkeypatch):
     """Call the program in this process, in an empty directory."""
     from typer.testing import CliRunner
 
@@ -21,10 +18,10 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
 
 
 @pytest.fixture
-def refused(call: Callable[..., Any], tmp_path: Path) -> Callable[..., str]:
+def refused(call, tmp_path):
     """Call the program with bad input; it says so in one line and leaves nothing behind. Return the line."""
 
-    def line_of(*args: object) -> str:
+    def line_of(*args):
         before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
         folders = {path for path in tmp_path.rglob("*") if path.is_dir()}
         result = call(*args)
@@ -46,12 +43,12 @@ def refused(call: Callable[..., Any], tmp_path: Path) -> Callable[..., str]:
 
 
 @pytest.fixture
-def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
+def ideal_water(monkeypatch):
     """Make the paper's scenario the default in this process: its numbers have closed forms, and it takes less time."""
     monkeypatch.setattr("driftform.study.study.DEFAULT", "paper")
 
 
-def write_metadata(site: Path, name: str, point: str, version: str = "1.0") -> None:
+def write_metadata(site, name, point, version="1.0"):
     """Let ``importlib.metadata`` find a distribution with an entry point of driftform in a folder."""
     info = site / f"{name.replace('-', '_')}-{version}.dist-info"
     info.mkdir()
@@ -60,15 +57,15 @@ def write_metadata(site: Path, name: str, point: str, version: str = "1.0") -> N
 
 
 @pytest.fixture
-def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
+def install(tmp_path_factory, monkeypatch):
     """Install modules as distributions ``<module>-plugin 1.0``, beside the directory that the program works in."""
     from driftform.cli.added import load_added
 
     site = tmp_path_factory.mktemp("site")
     monkeypatch.syspath_prepend(str(site))
-    modules: list[str] = []
+    modules = []
 
-    def installed(**sources: str) -> None:
+    def installed(**sources):
         for module, source in sources.items():
             (site / f"{module}.py").write_text(source)
             write_metadata(site, f"{module}-plugin", f"{module} = {module}")
@@ -82,10 +79,10 @@ def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
 
 
 @pytest.fixture(scope="session")
-def requires_program() -> Callable[[str], str]:
+def requires_program():
     """Path of a program; without it the test is skipped."""
 
-    def find(name: str) -> str:
+    def find(name):
         path = shutil.which(name)
         if path is None:
             pytest.skip(f"{name} is not installed")

@@ -27,12 +27,12 @@ MODULES = (
 """The public modules, in the order of the reference: what their ``__all__`` names is public."""
 
 
-def list_public() -> dict[str, list[str]]:
+def list_public():
     """The public names of each public module."""
     return {name: sorted(importlib.import_module(name).__all__) for name in MODULES}
 
 
-def find_homes(module: str) -> dict[str, str]:
+def find_homes(module):
     """The module that defines each public name of a module; for a name that is a module itself, that name."""
     folder = ROOT / "src" / Path(*module.split("."))
     stub = folder / "__init__.pyi"

@@ -2,13 +2,10 @@
 
 import subprocess
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from driftform.interfaces import ExportJob
 from driftform.motion.forces.equations import accelerations
 from driftform.motion.forces.model import flight_model
 from driftform.util.rotations import rotation_from_quaternion
@@ -16,7 +13,7 @@ from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow
 
 
-def check_sdf(program: str, path: Path) -> subprocess.CompletedProcess[str]:
+def check_sdf(program, path):
     """Check an SDF file by Ignition's program; bytes of the output that are not UTF-8 are replaced."""
     command = [program, "sdf", "-k", path]
     return subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", timeout=600, check=False)
@@ -31,7 +28,7 @@ class State:
     omega: np.ndarray
 
 
-def random_states(count: int) -> list[State]:
+def random_states(count):
     rng = np.random.default_rng(17)
     found = []
     for _ in range(count):
@@ -40,7 +37,7 @@ def random_states(count: int) -> list[State]:
     return found
 
 
-def our_accelerations(job: ExportJob, state: State) -> np.ndarray:
+def our_accelerations(job, state):
     """Acceleration of the COG (in body axes) and of rotation, (6,), by driftform, clear of any wall."""
     model = flight_model(job.agent, job.scenario)
     R, omega, cog = state.R, state.omega, job.agent.mass.cog
@@ -52,19 +49,19 @@ def our_accelerations(job: ExportJob, state: State) -> np.ndarray:
     return np.concatenate((at_cog, alpha))
 
 
-def inertia_of(get: Callable[[str], str]) -> np.ndarray:
+def inertia_of(get):
     """The inertia of an element or of attributes: ixx, ixy, ..., (3, 3)."""
     entries = {(i, j): float(get(f"i{'xyz'[min(i, j)]}{'xyz'[max(i, j)]}")) for i in range(3) for j in range(3)}
     return np.array([[entries[i, j] for j in range(3)] for i in range(3)])
 
 
-def still(job: ExportJob) -> ExportJob:
+def still(job):
     """The same agent in open water that is at rest."""
     release = job.scenario.release.model_copy(update={"velocity": "rest"})
     return replace(job, scenario=Scenario(flow=UniformFlow(speed=0.0), release=release, fluid=Fluid()))
 
 
-def model_of(path: Path, name: str) -> ET.Element:
+def model_of(path, name):
     """The agent's model in an SDF file."""
     found = ET.parse(path).getroot().find(f".//model[@name='{name}']")
     assert found is not None

@@ -6,7 +6,6 @@ from solids import solid_agent
 
 from driftform.agent import solid_of_revolution
 from driftform.motion.forces.body_drag import estimate_drag, wake_factor
-from driftform.types import Body, Trajectory
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import LogLawFlow
 from driftform.water.scenario import Contact, FlightLimits, Release
@@ -21,9 +20,7 @@ FOOT = 0.3048
 FLUID = Fluid(density=998.0, viscosity=1.0e-6)
 
 
-def make_pipe(
-    speed: float, bore: float, horizon: float, friction: float = 0.3, fall: float = 0.0, **release: object
-) -> Scenario:
+def make_pipe(speed, bore, horizon, friction=0.3, fall=0.0, **release):
     """Return a smooth pipe with the logarithmic law; lengths in m, ``speed`` in m/s, ``fall`` in m for each m of length."""
     length = 2 * speed * horizon + 1.0
     return Scenario(
@@ -36,7 +33,7 @@ def make_pipe(
     )
 
 
-def carry(body: Body, density: float, scenario: Scenario) -> Trajectory:
+def carry(body, density, scenario):
     """Return the flight of a solid of ``density`` times the water's."""
     added = PanelMethod(PanelOptions()).coefficients(body, FLUID)
     factor = wake_factor(added, FLUID.density * solid_of_revolution(body.outer).volume)
@@ -48,15 +45,13 @@ def carry(body: Body, density: float, scenario: Scenario) -> Trajectory:
     return flight
 
 
-def carry_along_floor(
-    body: Body, density: float, speed: float, bore: float, horizon: float, friction: float = 0.3, fall: float = 0.0
-) -> Trajectory:
+def carry_along_floor(body, density, speed, bore, horizon, friction=0.3, fall=0.0):
     """Return the flight of a solid from rest on the floor; see :func:`make_pipe`."""
     place = {"position": (0.0, 0.0, (body.max_diameter - bore) / 2), "velocity": "rest"}
     return carry(body, density, make_pipe(speed, bore, horizon, friction, fall, **place))
 
 
-def last_speed(flight: Trajectory, share: float = 0.2) -> float:
+def last_speed(flight, share=0.2):
     """Return the mean speed over ground in the last ``share`` of a flight, m/s."""
     first = int(flight.t.searchsorted((1 - share) * flight.t[-1]))
     way = flight.position[-1] - flight.position[first]

@@ -4,11 +4,9 @@ import random
 import socket
 import subprocess
 import time
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from json import loads
 from pathlib import Path
-from typing import Any
 from xmlrpc.client import ServerProxy
 
 LISTENER = Path(__file__).parent / "listen.py"
@@ -16,7 +14,7 @@ ATTEMPTS = 3
 
 
 @contextmanager
-def run_master(environment: dict[str, str]) -> Iterator[tuple[dict[str, str], subprocess.Popen[str]]]:
+def run_master(environment):
     """Yield the environment of ROS with a master that runs, and its process."""
     for _ in range(ATTEMPTS):
         address = f"http://localhost:{find_port()}"
@@ -30,7 +28,7 @@ def run_master(environment: dict[str, str]) -> Iterator[tuple[dict[str, str], su
     raise AssertionError(f"roscore has not started in {ATTEMPTS} attempts")
 
 
-def has_started(process: subprocess.Popen[str], address: str) -> bool:
+def has_started(process, address):
     with ServerProxy(address) as master, suppress(AssertionError):
         # The log is the last that roscore starts.
         wait_for(lambda: process.poll() is not None or "http" in str(master.lookupNode("/test", "/rosout")))
@@ -38,7 +36,7 @@ def has_started(process: subprocess.Popen[str], address: str) -> bool:
     return False
 
 
-def find_port() -> int:
+def find_port():
     """Return a port that nothing listens at, outside the range from which the system gives ports to others meanwhile."""
     while True:
         port = random.randrange(20_000, 32_000)
@@ -48,9 +46,9 @@ def find_port() -> int:
 
 
 @contextmanager
-def start(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
+def start(*command, **options):
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "encoding": "utf-8"}
-    process: subprocess.Popen[str] = subprocess.Popen(command, **pipes, **options)
+    process = subprocess.Popen(command, **pipes, **options)
     try:
         yield process
     finally:
@@ -62,7 +60,7 @@ def start(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
                 pipe.close()
 
 
-def wait_for(happens: Callable[[], bool], seconds: float = 600.0) -> None:
+def wait_for(happens, seconds=600.0):
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         try:
@@ -75,7 +73,7 @@ def wait_for(happens: Callable[[], bool], seconds: float = 600.0) -> None:
 
 
 @contextmanager
-def listen(environment: dict[str, str], *arguments: str) -> Iterator[Callable[[], dict[str, Any]]]:
+def listen(environment, *arguments):
     """Yield a function that ends listening and returns what was received."""
     with start("/usr/bin/python3", str(LISTENER), *arguments, env=environment) as process:
         assert process.stdin is not None and process.stdout is not None

@@ -7,7 +7,7 @@ from scipy.sparse.linalg import spsolve
 from driftform.water.gusts import eddy_diffusivity
 
 
-def mean_height(speed: float, friction: float, radius: float, room: float, n: int = 40) -> float:
+def mean_height(speed, friction, radius, room, n=40):
     """Return the mean height (m) above the axis of what sinks at ``speed`` (m/s) within ``room`` (m) of the axis of a pipe.
 
     Nothing passes the edge of the room, and everywhere else the flux w c - K grad c has no divergence: Rouse's equation (1937)
@@ -17,14 +17,14 @@ def mean_height(speed: float, friction: float, radius: float, room: float, n: in
     middles, angles = 0.5 * (edges[1:] + edges[:-1]), (np.arange(2 * n) + 0.5) * turn
     rows, columns, values = [], [], []
 
-    def exchange(a: int, b: int, spread: float, carried: float) -> None:
+    def exchange(a, b, spread, carried):
         """Add the flux from cell ``a`` to cell ``b``: spread (c_a - c_b) + carried (c_a + c_b) / 2."""
         for cell, sign in ((a, -1.0), (b, 1.0)):
             rows.extend((cell, cell))
             columns.extend((a, b))
             values.extend((sign * (spread + carried / 2), sign * (carried / 2 - spread)))
 
-    def cell(i: int, j: int) -> int:
+    def cell(i, j):
         return i * 2 * n + j % (2 * n)
 
     for i in range(n):

@@ -4,11 +4,10 @@ import numpy as np
 
 from driftform.agent import solid_of_revolution
 from driftform.testing.bodies import make_body
-from driftform.types import Agent, Body, Coefficients, MassProperties
-from driftform_panels.solve import PanelSolution
+from driftform.types import Agent, MassProperties
 
 
-def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: float = 0.0) -> Agent:
+def solid_agent(body, density, coefficients, offset=0.0):
     """Return the agent of a homogeneous solid with the contour of ``body``.
 
     Args:
@@ -25,7 +24,7 @@ def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: 
     )
 
 
-def remus_body(edges: int = 40) -> Body:
+def remus_body(edges=40):
     """Return the bare hull of the vehicle REMUS 100, 1.333 m long and 0.191 m thick, with ``edges`` each for bow and stern.
 
     Myring's profile with a little of nose and tail cut off (Prestero, Verification of a six-degree of freedom
@@ -48,6 +47,6 @@ def remus_body(edges: int = 40) -> Body:
     return make_body([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (x[0], 0.0)])
 
 
-def reciprocity(solution: PanelSolution) -> float:
+def reciprocity(solution):
     """The error of the discretisation by panels: abs(A26 - A62) / sqrt(A22 A66); meaningless for a sphere about its centre."""
     return abs(solution.sway_of_yaw - solution.yaw_of_sway) / float(np.sqrt(solution.sway * solution.yaw))

@@ -9,8 +9,7 @@ with vectors, from the sources that :mod:`driftform.motion.forces.drag_coefficie
 This module needs scipy, which is not a dependency of driftform.
 """
 
-from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
@@ -21,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.agents import Spheroid
 from driftform.testing.simulator import largest_distance
-from driftform.types import Agent, Coefficients, Drag, FloatArray, MassProperties, Trajectory
+from driftform.types import Agent, Coefficients, Drag, MassProperties
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import LogLawFlow, UniformFlow
 from driftform.water.scenario import FlightLimits, Release
@@ -33,9 +32,7 @@ SPACING = 0.01
 """Greatest time (s) between the instants at which two flights are compared."""
 
 
-def textbook_states(
-    agent: Agent, scenario: Scenario, times: FloatArray, rtol: float = 1e-11, atol: float = 1e-13
-) -> FloatArray:
+def textbook_states(agent, scenario, times, rtol=1e-11, atol=1e-13):
     """Return position (world, m), quaternion, and velocity over ground (body axes, SI) at ``times`` (s, (k,)), (k, 13)."""
     arguments = _arguments(agent, scenario)
     U, profile = np.array([scenario.flow.speed, 0.0, 0.0]), _profile(scenario)
@@ -60,18 +57,18 @@ def textbook_states(
     return np.ascontiguousarray(solution.y.T, dtype=np.float64)
 
 
-def textbook_rate(agent: Agent, scenario: Scenario, state: FloatArray) -> FloatArray:
+def textbook_rate(agent, scenario, state):
     """Return the time derivative (13,) of a state as :func:`textbook_states` returns it."""
     return np.asarray(_state_rate(np.asarray(state, dtype=np.float64), *_arguments(agent, scenario)))
 
 
-def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
+def distance_from_textbook(trajectory, agent, scenario, until):
     """Return the greatest distance (m) from the textbook's flight between the release and ``until`` (s)."""
     times = np.linspace(0, until, int(until / SPACING) + 2)
     return largest_distance(interpolate_positions(trajectory, times), textbook_states(agent, scenario, times)[:, :3])
 
 
-def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
+def random_case(seed, horizon=3.0):
     """Return an agent in open water with axisymmetric added mass and all centres off the origin; odd seeds have damping."""
     rng = np.random.default_rng(seed)
     body = Spheroid(rng.uniform(0.03, 0.1), rng.uniform(0.012, 0.025)).agent().body
@@ -112,7 +109,7 @@ def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
     return agent, scenario
 
 
-def _arguments(agent: Agent, scenario: Scenario) -> tuple[Any, ...]:
+def _arguments(agent, scenario):
     """Return what :func:`_state_rate` needs besides the state."""
     mass, coefficients = agent.mass, agent.coefficients
     m, S = mass.mass, _skew(mass.cog)
@@ -130,7 +127,7 @@ def _arguments(agent: Agent, scenario: Scenario) -> tuple[Any, ...]:
     return M_RB, M_A, H, *damping, *centres, W, B, U, _profile(scenario), water, *drag
 
 
-def _profile(scenario: Scenario) -> FloatArray:
+def _profile(scenario):
     """Return bulk speed, u* / kappa (m/s) and radius of a smooth pipe, (3,); (0,) in a uniform current."""
     if not isinstance(scenario.flow, LogLawFlow):
         return np.empty(0)
@@ -141,7 +138,7 @@ def _profile(scenario: Scenario) -> FloatArray:
     return np.array([U, U * np.sqrt(f / 8) / 0.4, radius])
 
 
-def _drag_numbers(drag: Drag) -> tuple[FloatArray, FloatArray]:
+def _drag_numbers(drag):
     """Return all numbers but the strips, and the strips."""
     numbers = [drag.friction_area, drag.length, drag.ahead, drag.astern, drag.round_area, drag.diameter]
     numbers += [drag.centre, *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume]
@@ -149,23 +146,23 @@ def _drag_numbers(drag: Drag) -> tuple[FloatArray, FloatArray]:
     return np.array(numbers), drag.strips.copy()
 
 
-def _skew(a: FloatArray) -> FloatArray:
+def _skew(a):
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
-def _compiled(function: Callable[P, R]) -> Callable[P, R]:
+def _compiled(function):
     # A tight tolerance takes 150 000 evaluations, so compile them; they still use matrices, as in the book.
-    fast: Callable[P, R] = njit(cache=True)(function)
+    fast = njit(cache=True)(function)
     return fast
 
 
 @_compiled
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+def _cross(a, b):
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 @_compiled
-def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
+def _coriolis(M, nu):
     """Return C(nu) nu of theorem 3.2 for a symmetric 6x6 mass matrix."""
     force, moment = M[:3] @ nu, M[3:] @ nu
     out = np.empty(6)
@@ -175,16 +172,14 @@ def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
 
 
 @_compiled
-def _axial_velocity(r: float, profile: FloatArray) -> tuple[float, float]:
+def _axial_velocity(r, profile):
     """Return the velocity of the logarithmic law and its derivative, r from the axis."""
     U, scale, radius = profile[0], profile[1], profile[2]
     return U + scale * (1.5 + np.log(1 - r / radius)), -scale / (radius - r)
 
 
 @_compiled
-def _water(
-    place: FloatArray, axis: FloatArray, profile: FloatArray, numbers: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _water(place, axis, profile, numbers):
     """Return the water's velocity, averaged over the body, and its gradient du_i/dx_j."""
     velocity, gradient = np.zeros(3), np.zeros((3, 3))
     # The mean square distance from the pipe's axis is that of the centre and that of the body about its centre.
@@ -197,7 +192,7 @@ def _water(
 
 
 @_compiled
-def _skin_friction(Re: float) -> float:
+def _skin_friction(Re):
     if Re < 5e5:
         return float(1.328 / np.sqrt(Re))
     A = 5e5 * (0.075 / (np.log10(5e5) - 2) ** 2 - 1.328 / np.sqrt(5e5))
@@ -205,16 +200,7 @@ def _skin_friction(Re: float) -> float:
 
 
 @_compiled
-def _viscous(
-    nu_r: FloatArray,
-    cob: FloatArray,
-    shear: FloatArray,
-    curl: FloatArray,
-    water: FloatArray,
-    radius: float,
-    n: FloatArray,
-    strips: FloatArray,
-) -> FloatArray:
+def _viscous(nu_r, cob, shear, curl, water, radius, n, strips):
     """Return force and moment of drag and lift in body axes, (6,)."""
     rho, viscosity = water
     v, omega, x_axis = nu_r[:3].copy(), nu_r[3:].copy(), np.array([1.0, 0.0, 0.0])
@@ -276,23 +262,7 @@ def _viscous(
 
 
 @_compiled
-def _state_rate(
-    y: FloatArray,
-    M_RB: FloatArray,
-    M_A: FloatArray,
-    H: FloatArray,
-    D_1: FloatArray,
-    D_2: FloatArray,
-    cog: FloatArray,
-    cob: FloatArray,
-    W: float,
-    B: float,
-    U: FloatArray,
-    profile: FloatArray,
-    water: FloatArray,
-    numbers: FloatArray,
-    strips: FloatArray,
-) -> FloatArray:
+def _state_rate(y, M_RB, M_A, H, D_1, D_2, cog, cob, W, B, U, profile, water, numbers, strips):
     q, nu = y[3:7] / np.sqrt(np.sum(y[3:7] ** 2)), y[7:].copy()
     w, x, yy, z = q
     R = np.array(

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from driftform.types import FloatArray
 from driftform.util.compiled import allocating
 from driftform.util.small_vectors import add
 from driftform.water import Scenario
@@ -14,14 +13,14 @@ KNOTS = 65_536
 """Steps of a walk, which many tracers share."""
 
 
-def straight_pipe(radius: float, speed: float, length: float | None = None, **tables: object) -> Scenario:
+def straight_pipe(radius, speed, length=None, **tables):
     """Return a straight pipe, 100 radii long unless said otherwise, with gusts in the logarithmic law of water."""
     segment = {"start": [0, 0, 0], "end": [length or 100 * radius, 0, 0], "radius": radius}
     flow, fluid = {"kind": "turbulent", "speed": speed}, {"viscosity": 1.1e-6}
     return Scenario.model_validate({"pipe": {"segments": [segment]}, "flow": flow, "fluid": fluid, **tables})
 
 
-def spread_evenly(count: int, radius: float) -> FloatArray:
+def spread_evenly(count, radius):
     """Return points of a section, evenly over its area by a sunflower's spiral, (count, 3)."""
     k = np.arange(count) + 0.5
     # Not in the layer at the wall in which gusts do not move a tracer.
@@ -29,7 +28,7 @@ def spread_evenly(count: int, radius: float) -> FloatArray:
     return np.column_stack([np.zeros(count), r * np.cos(angle), r * np.sin(angle)])
 
 
-def carry(scenario: Scenario, start: FloatArray, times: FloatArray, size: float = 0.0, seed: int = 0) -> FloatArray:
+def carry(scenario, start, times, size=0.0, seed=0):
     """Return positions (k, n, 3) at ``times`` (s, (k,)) of tracers from ``start`` (n, 3), each in a part of its own of a walk.
 
     Bodies of half a diameter ``size`` (m) have the gusts of theirs.
@@ -51,9 +50,7 @@ def carry(scenario: Scenario, start: FloatArray, times: FloatArray, size: float 
 
 
 @allocating
-def _carry(
-    start: FloatArray, begin: FloatArray, times: FloatArray, pipe: FloatArray, flow: FloatArray, walks: FloatArray
-) -> FloatArray:
+def _carry(start, begin, times, pipe, flow, walks):
     out = np.empty((times.shape[0], start.shape[0], 3))
     eddies, y, new, slope = np.zeros((2, STATES)), np.zeros(7), np.zeros(7), np.zeros((4, 7))
     for i in range(start.shape[0]):
@@ -81,9 +78,7 @@ def _carry(
 
 
 @allocating
-def _fill(
-    y: FloatArray, pipe: FloatArray, flow: FloatArray, walk: FloatArray, eddies: FloatArray, out: FloatArray
-) -> None:
+def _fill(y, pipe, flow, walk, eddies, out):
     for j in range(4):
         eddies[0, j] = y[3 + j]
     point = (y[0], y[1], y[2])

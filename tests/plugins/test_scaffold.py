@@ -9,9 +9,7 @@ import subprocess
 import sys
 import tomllib
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from program import write_metadata
@@ -20,15 +18,13 @@ from driftform.cli import plugins
 from driftform.interfaces import SEAMS
 from driftform.plugins.scaffold import KINDS, list_files, make_names
 
-Call = Callable[..., Any]
-
 ROOT = Path(__file__).parents[2]
 
 FLYING = {"simulator": "::test_all_integrators_give_the_same_flight"}
 """Seams whose contract flies for half a minute, where the scaffold is installed; and what is run of their tests here."""
 
 
-def write(folder: Path, seam: str) -> Path:
+def write(folder, seam):
     """Write the scaffold of a seam."""
     for path, text in list_files(make_names(f"driftform-try-{seam}", seam)).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
@@ -37,7 +33,7 @@ def write(folder: Path, seam: str) -> Path:
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def installed(tmp_path_factory):
     """A folder with each scaffold, and ``site``, where all are installed as far as ``importlib.metadata`` can tell."""
     folder = tmp_path_factory.mktemp("scaffolds")
     # Tests are then named by their path from here, whoever is the first.
@@ -51,7 +47,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def python(installed: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+def python(installed, *arguments):
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
         cwd=installed,
@@ -64,13 +60,13 @@ def python(installed: Path, *arguments: object) -> subprocess.CompletedProcess[s
 
 
 @pytest.fixture(scope="module")
-def outcomes(installed: Path) -> dict[str, list[str]]:
+def outcomes(installed):
     """What became of the tests of each quick seam: ``passed``, ``skipped`` or the message of a failure."""
     tests = [f"{installed / seam / 'tests' / f'test_{seam}.py'}{FLYING.get(seam, '')}" for seam in KINDS]
     options = ("-q", "-p", "no:cacheprovider", "--import-mode=importlib", "-W", "error", "--junitxml=out.xml")
     done = python(installed, "-m", "pytest", *options, *tests)
     assert (installed / "out.xml").exists(), done.stdout + done.stderr
-    found: dict[str, list[str]] = {seam: [] for seam in KINDS}
+    found = {seam: [] for seam in KINDS}
     for case in ET.parse(installed / "out.xml").iter("testcase"):
         names = case.attrib["classname"].split(".")
         (seam,) = [name.removeprefix("test_") for name in names if name.startswith("test_")]
@@ -78,18 +74,18 @@ def outcomes(installed: Path) -> dict[str, list[str]]:
     return found
 
 
-def test_every_seam_commands_and_scenarios_have_a_scaffold() -> None:
+def test_every_seam_commands_and_scenarios_have_a_scaffold():
     folders = (ROOT / "src" / "driftform" / "plugins" / "scaffold").glob("*/about.toml")
     assert {file.parent.name for file in folders} == set(KINDS)
 
 
 @pytest.mark.parametrize("seam", KINDS)
-def test_a_scaffold_passes_its_contract_and_its_own_tests(seam: str, outcomes: dict[str, list[str]]) -> None:
+def test_a_scaffold_passes_its_contract_and_its_own_tests(seam, outcomes):
     assert len(outcomes[seam]) >= 2
     assert [outcome for outcome in outcomes[seam] if outcome != "passed"] == []
 
 
-def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path) -> None:
+def test_each_is_found_with_its_options_and_its_study_selects_it(installed):
     code = """if True:
     import json, sys
     from driftform.interfaces import SEAMS
@@ -117,7 +113,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
 
 @pytest.mark.long
 @pytest.mark.parametrize("seam", ["exporter", "recorder"])
-def test_the_command_in_its_readme_writes_a_file(seam: str, installed: Path, tmp_path: Path) -> None:
+def test_the_command_in_its_readme_writes_a_file(seam, installed, tmp_path):
     readme = (installed / seam / "README.md").read_text()
     (line,) = [line for line in readme.splitlines() if line.startswith("$ driftform export")]
     words = [str(installed / seam / w) if w == "study.toml" else w for w in shlex.split(line)[2:]]
@@ -129,7 +125,7 @@ def test_the_command_in_its_readme_writes_a_file(seam: str, installed: Path, tmp
 # The command.
 
 
-def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: Path) -> None:
+def test_the_command_prints_the_files_and_the_next_steps(call, tmp_path):
     document = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
     assert sorted(map(Path, document["files"])) == sorted(
         path.relative_to(tmp_path) for path in (tmp_path / "driftform-dwell").rglob("*") if path.is_file()
@@ -151,9 +147,7 @@ def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: P
     ],
     ids=["pip", "uv", "uv, and a clone elsewhere", "uv in a clone"],
 )
-def test_the_next_steps_are_those_of_the_installer(
-    call: Call, monkeypatch: pytest.MonkeyPatch, has_pip: bool, origin: dict[str, bool], prefix: str, steps: list[str]
-) -> None:
+def test_the_next_steps_are_those_of_the_installer(call, monkeypatch, has_pip, origin, prefix, steps):
     found = importlib.util.find_spec
     monkeypatch.setattr(
         "importlib.util.find_spec", lambda name: (name if has_pip else None) if name == "pip" else found(name)
@@ -168,7 +162,7 @@ def test_the_next_steps_are_those_of_the_installer(
 
 @pytest.mark.peers
 @pytest.mark.parametrize("words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]])
-def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], installed: Path) -> None:
+def test_a_scaffold_is_formatted_and_passes_the_linter(words, installed):
     ruff = [sys.executable, "-m", "ruff", *words, "--isolated", "--no-cache", "--line-length", "110", "."]
     for seam in KINDS:
         # From the distribution's own folder: ruff looks there for which package is the first party.
@@ -193,11 +187,11 @@ def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], install
         ("x" * 61, "fitness", "longer than 60"),
     ],
 )
-def test_an_invalid_or_taken_name_is_refused(name: str, seam: str, message: str, refused: Callable[..., str]) -> None:
+def test_an_invalid_or_taken_name_is_refused(name, seam, message, refused):
     assert message in refused("plugins", "new", name, "--seam", seam)
 
 
-def test_names_are_normalised(call: Call, tmp_path: Path) -> None:
+def test_names_are_normalised(call, tmp_path):
     call("plugins", "new", "Driftform_Long.Dwell", "--seam", "fitness")
     project = tomllib.loads((tmp_path / "driftform-long-dwell" / "pyproject.toml").read_text())["project"]
     assert project["name"] == "driftform-long-dwell"
@@ -205,7 +199,7 @@ def test_names_are_normalised(call: Call, tmp_path: Path) -> None:
     assert "class LongDwellFitness" in next(tmp_path.rglob("fitness.py")).read_text()
 
 
-def test_the_help_names_what_a_plugin_can_bring() -> None:
+def test_the_help_names_what_a_plugin_can_bring():
     assert plugins.KINDS.replace(" or ", ", ").split(", ") == list(KINDS)
 
 
@@ -213,9 +207,7 @@ def test_the_help_names_what_a_plugin_can_bring() -> None:
 
 
 @pytest.fixture(scope="module")
-def environment(
-    dist: Path, new_environment: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, Path]:
+def environment(dist, new_environment, tmp_path_factory):
     """The sources of all scaffolds, and the programs of an environment that has them and driftform."""
     folder = tmp_path_factory.mktemp("sources")
     sources = (f"{write(folder / seam, seam)}[test]" for seam in SEAMS)
@@ -224,15 +216,13 @@ def environment(
 
 @pytest.mark.installs
 @pytest.mark.parametrize("seam", SEAMS)
-def test_a_scaffold_installs_in_an_empty_environment_and_passes_there(
-    seam: str, environment: tuple[Path, Path], outside: Call
-) -> None:
+def test_a_scaffold_installs_in_an_empty_environment_and_passes_there(seam, environment, outside):
     folder, programs = environment
     assert " passed" in outside(programs / "python", "-m", "pytest", "-W", "error", cwd=folder / seam)
 
 
 @pytest.mark.installs
-def test_a_plugin_beside_a_clone_survives_uv_sync(uv: str, outside: Call, tmp_path: Path) -> None:
+def test_a_plugin_beside_a_clone_survives_uv_sync(uv, outside, tmp_path):
     folder = write(tmp_path / "driftform-try", "fitness")
     outside(uv, "add", "--editable", ROOT, cwd=folder)
     for _ in range(2):

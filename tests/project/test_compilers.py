@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -32,8 +31,8 @@ for name in ("paper", "pipe-inspection"):
 @pytest.mark.installs
 @pytest.mark.skipif(sys.version_info >= (3, 12), reason="the oldest numba has wheels for Python 3.11 only")
 def test_the_oldest_and_the_newest_numba_and_its_own_compiler_give_the_same_bits(
-    dist: Path, new_environment: Callable[..., Path], outside: Callable[..., str], tmp_path: Path
-) -> None:
+    dist, new_environment, outside, tmp_path
+):
     needs = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
     [oldest] = (found[1] for need in needs if (found := re.match(r"numba>=([\d.]+),<1$", need)))
     [wheel] = dist.glob("driftform-[0-9]*.whl")

@@ -9,11 +9,8 @@ import sys
 import tarfile
 import tomllib
 import zipfile
-from collections.abc import Callable
 from email import message_from_string
-from email.message import Message
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -31,21 +28,19 @@ COMMANDS_ALONE = {
 """The command of each plugin that adds commands and nothing to a seam."""
 
 
-def project(folder: Path) -> dict[str, Any]:
-    table: dict[str, Any] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def project(folder):
+    table = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return table
 
 
 @pytest.fixture(scope="module")
-def installed(dist: Path, new_environment: Callable[..., Path]) -> Path:
+def installed(dist, new_environment):
     """The programs of an environment that has the wheels."""
     return new_environment(*dist.glob("*.whl"))
 
 
 @pytest.fixture(scope="module", params=["this", "newest"])
-def evolving(
-    request: pytest.FixtureRequest, dist: Path, outside: Callable[..., str], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def evolving(request, dist, outside, tmp_path_factory):
     """The programs of an environment where pip installed driftform, on this Python and on the newest at hand."""
     python = sys.executable if request.param == "this" else newest_python()
     folder = tmp_path_factory.mktemp("pip")
@@ -56,7 +51,7 @@ def evolving(
     return programs
 
 
-def newest_python() -> str:
+def newest_python():
     """The newest Python that the classifiers name and this machine has, if it is newer than the running one."""
     versions = [line.rpartition(" :: ")[2] for line in project(ROOT)["classifiers"] if " :: 3." in line]
     for version in reversed(versions):
@@ -70,19 +65,19 @@ def newest_python() -> str:
     return pytest.skip(f"no Python up to {versions[-1]} that is newer than this one is installed here")
 
 
-def file_of(dist: Path, name: str, end: str) -> Path:
+def file_of(dist, name, end):
     [path] = dist.glob(f"{name.replace('-', '_')}-[0-9]*{end}")
     return path
 
 
-def metadata(wheel: Path) -> Message:
+def metadata(wheel):
     with zipfile.ZipFile(wheel) as archive:
         [name] = [n for n in archive.namelist() if n.endswith(".dist-info/METADATA")]
         return message_from_string(archive.read(name).decode())
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_a_distribution_says_what_it_is(folder: Path, dist: Path) -> None:
+def test_a_distribution_says_what_it_is(folder, dist):
     name = project(folder)["name"]
     found = metadata(file_of(dist, name, ".whl"))
     assert found["License-Expression"] == "MIT" and found["License-File"] == "LICENSE"
@@ -94,7 +89,7 @@ def test_a_distribution_says_what_it_is(folder: Path, dist: Path) -> None:
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder: Path, dist: Path) -> None:
+def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder, dist):
     name = project(folder)["name"]
     with tarfile.open(file_of(dist, name, ".tar.gz")) as archive:
         names = {member.partition("/")[2] for member in archive.getnames()}
@@ -106,18 +101,14 @@ def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder: 
     assert not [n for n in names if n.startswith("tests/") or "__pycache__" in n]
 
 
-def test_pip_installs_a_program_that_evolves_outside_the_repository(
-    evolving: Path, outside: Callable[..., str], tmp_path: Path
-) -> None:
+def test_pip_installs_a_program_that_evolves_outside_the_repository(evolving, outside, tmp_path):
     words = ["evolve", "--simulator", "native", "--evaluations", "4", "--seed", "1", "--workers", "2"]
     told = json.loads(outside(evolving / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
     assert told["evaluations"] == 4 and told["failed"] == 0
     assert (tmp_path / "run" / "best" / "TP1" / "agent.stl").stat().st_size > 84
 
 
-def test_the_notebook_that_the_docs_link_installs_what_it_needs(
-    dist: Path, outside: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_notebook_that_the_docs_link_installs_what_it_needs(dist, outside, tmp_path, monkeypatch):
     """As Colab opens it: with Jupyter, and nothing of driftform but an index that has the wheels."""
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     [linked] = re.findall(r"colab\.research\.google\.com/github/driftform/driftform/blob/main/(\S+\.ipynb)", page)
@@ -133,7 +124,7 @@ def test_the_notebook_that_the_docs_link_installs_what_it_needs(
     assert "".join(shown["data"]["text/plain"]).startswith("['tp3.3mf'")
 
 
-def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
+def test_every_plugin_is_found_there(installed, outside, tmp_path):
     rows = json.loads(outside(installed / "driftform", "plugins", "list", "--json", cwd=tmp_path))["plugins"]
     hooked = {project(folder)["name"] for folder in PROJECTS if "driftform" in project(folder)["entry-points"]}
     assert {row["distribution"] for row in rows} == hooked

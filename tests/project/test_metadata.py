@@ -4,7 +4,6 @@ import re
 import tomllib
 from itertools import chain
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -14,22 +13,22 @@ PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyp
 PYTHON = "Programming Language :: Python :: 3."
 
 
-def read_project(folder: Path) -> dict[str, Any]:
-    table: dict[str, Any] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def read_project(folder):
+    table = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return table
 
 
-def read_yaml(*parts: str) -> Any:
+def read_yaml(*parts):
     return yaml.safe_load(ROOT.joinpath(*parts).read_text(encoding="utf-8"))
 
 
-def read_workflow(name: str) -> dict[str, Any]:
-    workflow: dict[str, Any] = read_yaml(".github", "workflows", name)
+def read_workflow(name):
+    workflow = read_yaml(".github", "workflows", name)
     return workflow
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_every_distribution_has_authors_and_links(folder: Path) -> None:
+def test_every_distribution_has_authors_and_links(folder):
     project = read_project(folder)
     assert project["authors"] == [{"name": "The driftform developers"}]
     urls = project["urls"]
@@ -42,7 +41,7 @@ def test_every_distribution_has_authors_and_links(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_every_distribution_names_the_versions_of_python_that_the_workflow_tests(folder: Path) -> None:
+def test_every_distribution_names_the_versions_of_python_that_the_workflow_tests(folder):
     tested = read_workflow("ci.yml")["jobs"]["tests"]["strategy"]["matrix"]["python"]
     project = read_project(folder)
     named = [
@@ -55,7 +54,7 @@ def test_every_distribution_names_the_versions_of_python_that_the_workflow_tests
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_every_distribution_needs_the_others_of_its_own_version(folder: Path) -> None:
+def test_every_distribution_needs_the_others_of_its_own_version(folder):
     project = read_project(folder)
     needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
     ours = [need for need in needs if need.startswith("driftform")]
@@ -64,14 +63,14 @@ def test_every_distribution_needs_the_others_of_its_own_version(folder: Path) ->
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_packages_whose_internals_are_used_have_an_upper_bound(folder: Path) -> None:
+def test_packages_whose_internals_are_used_have_an_upper_bound(folder):
     bounded = {"cadquery-ocp-novtk", "exudyn", "manifold3d", "numba", "pydantic", "resvg-py", "ribs", "rosbags"}
     project = read_project(folder)
     needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
     assert [n for n in needs if re.match(r"[\w-]+", n)[0] in {*bounded, "trimesh", "typer"} and ",<" not in n] == []
 
 
-def test_the_core_installs_every_plugin_of_the_default_study() -> None:
+def test_the_core_installs_every_plugin_of_the_default_study():
     needs = {need.partition("==")[0] for need in read_project(ROOT)["dependencies"]}
     optional = {folder.name for folder in PROJECTS[1:]} - needs
     assert optional == {
@@ -85,7 +84,7 @@ def test_the_core_installs_every_plugin_of_the_default_study() -> None:
         assert any(need.startswith(name) for need in read_project(ROOT)["optional-dependencies"][name[10:]])
 
 
-def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs() -> None:
+def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs():
     jobs = read_workflow("ci.yml")["jobs"]
     systems = jobs["tests"]["strategy"]["matrix"]["os"]
     assert [system.split("-")[0] for system in systems] == ["ubuntu", "macos", "windows"]
@@ -93,7 +92,7 @@ def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs() -> None:
     assert "bash .ci/run" in [step.get("run") for step in jobs["complete"]["steps"]]
 
 
-def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Config) -> None:
+def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig):
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert "pip install uv && uv run pytest\n" in (ROOT / "README.md").read_text(encoding="utf-8")
     assert 'bash -c "$test_command"\n' in script and "uv sync --quiet --all-groups\n" in script
@@ -111,7 +110,7 @@ def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Conf
         assert f"uv run pytest -m {selection}" in script
 
 
-def test_the_files_of_tests_that_ci_names_are_there() -> None:
+def test_the_files_of_tests_that_ci_names_are_there():
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     named = [
         f"{before}{name}{after}"
@@ -122,7 +121,7 @@ def test_the_files_of_tests_that_ci_names_are_there() -> None:
     assert [name for name in named if not (ROOT / name).is_file()] == []
 
 
-def test_a_release_is_published_without_a_stored_token() -> None:
+def test_a_release_is_published_without_a_stored_token():
     jobs = read_workflow("release.yml")["jobs"]
     assert any("uv build --all-packages" in step.get("run", "") for step in jobs["build"]["steps"])
     publish = jobs["publish"]
@@ -132,7 +131,7 @@ def test_a_release_is_published_without_a_stored_token() -> None:
     )
 
 
-def test_a_commit_is_checked_by_the_lints_of_ci() -> None:
+def test_a_commit_is_checked_by_the_lints_of_ci():
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     [local] = read_yaml(".pre-commit-config.yaml")["repos"]
     assert local["repo"] == "local"
@@ -142,7 +141,7 @@ def test_a_commit_is_checked_by_the_lints_of_ci() -> None:
         assert f"\nuv run {command}" in script
 
 
-def test_the_extra_studio_is_all_that_brings_a_server() -> None:
+def test_the_extra_studio_is_all_that_brings_a_server():
     project = read_project(ROOT)
     names = {need.partition("=")[0].partition(">")[0] for need in project["dependencies"]}
     assert not names & {"driftform-studio", "starlette", "uvicorn", "fastapi", "nicegui"}

@@ -10,7 +10,7 @@ import pytest
 PROGRAM = Path(__file__).parents[1] / "mutations.py"
 
 
-def test_each_chosen_change_has_its_place_and_its_tests() -> None:
+def test_each_chosen_change_has_its_place_and_its_tests():
     listed = subprocess.run(
         [sys.executable, PROGRAM, "--chosen", "--list"], capture_output=True, text=True, check=False
     )
@@ -19,6 +19,6 @@ def test_each_chosen_change_has_its_place_and_its_tests() -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="mutants run in forks")
-def test_no_mutant_of_the_core_formulas_lives() -> None:
+def test_no_mutant_of_the_core_formulas_lives():
     ended = subprocess.run([sys.executable, PROGRAM, "--count", "60"], capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout + ended.stderr

@@ -4,7 +4,6 @@ import ast
 import importlib
 import inspect
 import re
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -18,19 +17,19 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 MAX_MODULES, MAX_NAMES = 16, 165
 
 
-def is_public(module: str, name: str, public: dict[str, list[str]]) -> bool:
+def is_public(module, name, public):
     """Whether a name is of a public module, or of a module that is a public name itself, such as `driftform.water.field`."""
     package, _, last = module.rpartition(".")
     return name in public.get(module, ()) or (last in public.get(package, ()) and name in list_names(module))
 
 
 @cache
-def list_names(module: str) -> frozenset[str]:
+def list_names(module):
     """The public names of a module that is a public name itself: its ``__all__``, or all that it defines."""
     found = importlib.import_module(module)
     if hasattr(found, "__all__"):
         return frozenset(found.__all__)
-    names: list[str] = []
+    names = []
     for node in ast.parse(inspect.getsource(found)).body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names.append(node.name)
@@ -39,10 +38,10 @@ def list_names(module: str) -> frozenset[str]:
     return frozenset(name for name in names if not name.startswith("_"))
 
 
-def find_private_imports(source: str, public: dict[str, list[str]]) -> Iterator[str]:
+def find_private_imports(source, public):
     """What a source imports of the core beside public names, or uses of a public module, one line each."""
     tree = ast.parse(source)
-    modules: dict[str, str] = {}
+    modules = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
@@ -61,7 +60,7 @@ def find_private_imports(source: str, public: dict[str, list[str]]) -> Iterator[
                 yield f"line {node.lineno}: {module}.{node.attr}"
 
 
-def test_the_public_interface_is_small() -> None:
+def test_the_public_interface_is_small():
     public = list_public()
     count = sum(len(names) for names in public.values())
     print(f"{count} public names in {len(public)} modules")
@@ -69,7 +68,7 @@ def test_the_public_interface_is_small() -> None:
 
 
 @pytest.mark.parametrize("package", PLUGINS, ids=lambda path: path.name)
-def test_a_plugin_imports_public_names_alone(package: Path) -> None:
+def test_a_plugin_imports_public_names_alone(package):
     public = list_public()
     found = [
         f"{file.relative_to(ROOT)} {line}"
@@ -79,7 +78,7 @@ def test_a_plugin_imports_public_names_alone(package: Path) -> None:
     assert found == []
 
 
-def test_the_templates_of_new_plugins_import_public_names_alone() -> None:
+def test_the_templates_of_new_plugins_import_public_names_alone():
     public = list_public()
     for file in ROOT.glob("src/driftform/plugins/scaffold/*/implementation.py.txt"):
         source = re.sub(r"\$(\w+)", r"\1", file.read_text(encoding="utf-8"))
@@ -90,7 +89,7 @@ def test_the_templates_of_new_plugins_import_public_names_alone() -> None:
 @pytest.mark.parametrize(
     "page", [*ROOT.glob("docs/*.md"), *ROOT.glob("docs/examples/*.py")], ids=lambda path: path.name
 )
-def test_what_the_docs_show_imports_public_names_alone(page: Path) -> None:
+def test_what_the_docs_show_imports_public_names_alone(page):
     text = page.read_text(encoding="utf-8")
     blocks = [text] if page.suffix == ".py" else re.findall(r"```python[^\n]*\n(.*?)```", text, re.DOTALL)
     # What tests of plugins may use beside the contracts has sections of its own in the reference.
@@ -98,7 +97,7 @@ def test_what_the_docs_show_imports_public_names_alone(page: Path) -> None:
     assert [x for b in blocks for x in find_private_imports(b, list_public()) if testing not in x] == []
 
 
-def test_an_import_of_a_private_module_is_found() -> None:
+def test_an_import_of_a_private_module_is_found():
     source = (
         "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.path.trajectory import SAMPLE\n"
     )
@@ -106,7 +105,7 @@ def test_an_import_of_a_private_module_is_found() -> None:
     assert found == ["line 3: driftform.motion.path.trajectory.SAMPLE"]
 
 
-def test_a_module_that_is_public_shows_its_public_names_alone() -> None:
+def test_a_module_that_is_public_shows_its_public_names_alone():
     source = "from driftform.motion import forces\nforces.{}"
     assert list(find_private_imports(source.format("flight_model"), list_public())) == []
     [found] = find_private_imports(source.format("fill_rate"), list_public())

@@ -2,7 +2,7 @@
 
 import importlib.util
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import pytest
 
@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def conftest() -> ModuleType:
+def conftest():
     spec = importlib.util.spec_from_file_location("session_hooks", ROOT / "tests" / "conftest.py")
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
@@ -18,7 +18,7 @@ def conftest() -> ModuleType:
     return module
 
 
-def skipped(*markers: str, program: str = "openscad") -> pytest.TestReport:
+def skipped(*markers, program="openscad"):
     longrepr = ("conftest.py", 3, f"Skipped: {program} is not installed")
     return pytest.TestReport("test_a", ("a.py", 1, "a"), dict.fromkeys(markers, 1), "skipped", longrepr, "setup")
 
@@ -26,9 +26,7 @@ def skipped(*markers: str, program: str = "openscad") -> pytest.TestReport:
 @pytest.mark.parametrize(
     ("ci", "markers", "outcome"), [("true", ["peers"], "failed"), ("", ["peers"], "skipped"), ("true", [], "skipped")]
 )
-def test_a_program_that_is_missing_fails_its_tests_in_ci_only(
-    conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, ci: str, markers: list[str], outcome: str
-) -> None:
+def test_a_program_that_is_missing_fails_its_tests_in_ci_only(conftest, monkeypatch, ci, markers, outcome):
     monkeypatch.setenv("CI", ci)
     hook = conftest.Peers().pytest_runtest_makereport(SimpleNamespace(keywords=markers))
     next(hook)
@@ -38,12 +36,12 @@ def test_a_program_that_is_missing_fails_its_tests_in_ci_only(
     assert "openscad is not installed" in str(end.value.value.longrepr)
 
 
-def test_what_is_missing_is_one_line_however_many_tests_need_it(conftest: ModuleType) -> None:
+def test_what_is_missing_is_one_line_however_many_tests_need_it(conftest):
     rules = conftest.Peers()
     reports = [skipped("peers"), skipped("peers"), skipped("peers", program="admesh")]
     [(category, *_)] = {rules.pytest_report_teststatus(report) for report in reports}
     assert category != "skipped" and rules.pytest_report_teststatus(skipped()) is None
-    lines: list[str] = []
+    lines = []
     rules.pytest_terminal_summary(SimpleNamespace(stats={category: reports}, write_line=lines.append))
     assert lines == ["3 tests skipped: admesh is not installed; openscad is not installed"]
     rules.pytest_terminal_summary(SimpleNamespace(stats={}, write_line=lines.append))
@@ -60,11 +58,9 @@ def test_what_is_missing_is_one_line_however_many_tests_need_it(conftest: Module
         ("plugins", False),
     ],
 )
-def test_plugins_that_the_core_does_not_install_are_peers(
-    conftest: ModuleType, pytestconfig: pytest.Config, path: str, optional: bool
-) -> None:
+def test_plugins_that_the_core_does_not_install_are_peers(conftest, pytestconfig, path, optional):
     [usual] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
-    marks: list[str] = []
+    marks = []
     item = SimpleNamespace(path=ROOT / path, add_marker=marks.append)
     conftest.Peers().pytest_collection_modifyitems([item])
     assert marks == (["peers"] if optional else [])
@@ -73,8 +69,8 @@ def test_plugins_that_the_core_does_not_install_are_peers(
         assert bool(conftest.Peers().pytest_ignore_collect(ROOT / path, config)) is ignored
 
 
-def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest: ModuleType) -> None:
-    marks: list[str] = []
+def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest):
+    marks = []
     for fixtures in (["tmp_path", "requires_program"], ["tmp_path"]):
         item = SimpleNamespace(path=ROOT / "tests/a.py", fixturenames=fixtures, add_marker=marks.append)
         conftest.Peers().pytest_collection_modifyitems([item])
@@ -94,14 +90,8 @@ def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest: ModuleT
     ],
 )
 def test_the_default_selection_of_folders_takes_all_cores(
-    conftest: ModuleType,
-    pytestconfig: pytest.Config,
-    monkeypatch: pytest.MonkeyPatch,
-    args: list[str],
-    markexpr: str | None,
-    update: str,
-    workers: int,
-) -> None:
+    conftest, pytestconfig, monkeypatch, args, markexpr, update, workers
+):
     monkeypatch.chdir(ROOT)
     monkeypatch.setattr("os.cpu_count", lambda: 6)
     monkeypatch.setenv("UPDATE_DOCS", update)
@@ -112,7 +102,7 @@ def test_the_default_selection_of_folders_takes_all_cores(
 
 @pytest.mark.parametrize("simulator", ["native", pytest.param("exudyn", marks=pytest.mark.long)])
 def test_the_kernels_that_are_compiled_before_the_workers_start_are_those_of_real_flights(
-    conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, simulator: str
-) -> None:
+    conftest, monkeypatch, simulator
+):
     monkeypatch.setattr("sys.argv", ["kernels", simulator, str(ROOT / "tests" / "helpers")])
     exec(compile(conftest.KERNELS, "kernels", "exec"), {})

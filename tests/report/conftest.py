@@ -1,7 +1,5 @@
 """A run with its page."""
 
-from pathlib import Path
-
 import pytest
 
 from driftform.cli.report import report
@@ -13,7 +11,7 @@ from driftform.study import load_study
 
 
 @pytest.fixture(scope="session")
-def run_with_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def run_with_page(tmp_path_factory):
     """A run of twenty flights for ten targets, with its page."""
     directory = tmp_path_factory.mktemp("runs") / "run"
     directory.mkdir()

@@ -7,13 +7,13 @@ import pytest
 
 from driftform.search.report.kinds import count_kinds, name_kind
 from driftform.testing.agents import sphere_agent
-from driftform.types import Agent, End, Trajectory
+from driftform.types import End, Trajectory
 from driftform.water import Pipe, Scenario, Segment
 
 SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)))
 
 
-def make_agent(length: float, *radii: float) -> Agent:
+def make_agent(length, *radii):
     agent = sphere_agent(0.01, 0.004)
     x = np.linspace(-length / 2, length / 2, len(radii))
     ends = np.array([[x[0] - 1e-6, 0.0], [x[-1] + 1e-6, 0.0]])
@@ -21,7 +21,7 @@ def make_agent(length: float, *radii: float) -> Agent:
     return replace(agent, body=replace(agent.body, outer=outer))
 
 
-def fly(height: float, contact: float | None = None) -> Trajectory:
+def fly(height, contact=None):
     t = np.array([0.0, 9.0])
     position = np.array([[0.0, 0.0, height], [9.0, 0.0, height]])
     turn, velocity = np.tile([1.0, 0, 0, 0], (2, 1)), np.zeros((2, 6))
@@ -41,10 +41,10 @@ def fly(height: float, contact: float | None = None) -> Trajectory:
         (make_agent(0.2, 0.02, 0.02, 0.02), fly(0.98, 8.0), "cylinder"),
     ],
 )
-def test_a_body_is_named_by_where_it_passes_and_by_its_form(agent, flight, kind) -> None:
+def test_a_body_is_named_by_where_it_passes_and_by_its_form(agent, flight, kind):
     assert name_kind(agent, flight, SCENARIO, 4.0) == kind
 
 
-def test_kinds_are_counted_in_words() -> None:
+def test_kinds_are_counted_in_words():
     kinds = ["saucer", "slender body", "slender body", "crown rider"]
     assert count_kinds(kinds) == "2 slender bodies, 1 saucer, 1 crown rider"

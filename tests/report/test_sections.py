@@ -1,9 +1,6 @@
 """Sections of a report that plugins add by the hook ``driftform_report``."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -13,12 +10,12 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import ReportJob
 from driftform.plugins.discovery import PluginModule
 from driftform.runs.run import StoredRun
-from driftform.search.report.contents import Contents, collect_contents
+from driftform.search.report.contents import collect_contents
 from driftform.search.report.page import page_html
 from driftform.water import Scenario
 
 
-def collect_with(run: Path, monkeypatch: pytest.MonkeyPatch, *hooks: Callable[..., Any]) -> Contents:
+def collect_with(run, monkeypatch, *hooks):
     """The contents of a run, with plugins of which each has one of the hooks."""
     modules = [
         PluginModule("mine", "mine", f"mine-{number}", "1.0", SimpleNamespace(driftform_report=hookimpl(hook)))
@@ -28,7 +25,7 @@ def collect_with(run: Path, monkeypatch: pytest.MonkeyPatch, *hooks: Callable[..
     return collect_contents(StoredRun.open(run))
 
 
-def list_masses(job: ReportJob) -> Mapping[str, str]:
+def list_masses(job):
     return {"Masses": "".join(f"<i>{name} {flown.agent.mass.mass:.6f}</i>" for name, flown in job.best.items())}
 
 

@@ -33,20 +33,20 @@ segments = (
 )
 
 
-def make_trajectory(t, position, velocity) -> Trajectory:
+def make_trajectory(t, position, velocity):
     """A flight without rotation: body axes are world axes."""
     still = np.tile([1.0, 0, 0, 0], (len(t), 1))
     return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
 
 
-def straight(start, end, samples: int = 2) -> Trajectory:
+def straight(start, end, samples=2):
     """A flight of 1 s along a line."""
     t = np.linspace(0.0, 1.0, samples)
     course = np.subtract(end, start)
     return make_trajectory(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
 
 
-def wild(seed: int) -> Trajectory:
+def wild(seed):
     """A flight that winds through the pipe, and out of it, in stretches longer than any real one."""
     rng = np.random.default_rng(seed)
     t = np.cumsum(rng.uniform(0.1, 2.0, 4)) - 0.1
@@ -54,7 +54,7 @@ def wild(seed: int) -> Trajectory:
     return make_trajectory(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
 
 
-def smooth(seed: int) -> Trajectory:
+def smooth(seed):
     """A flight that winds through the pipe, with samples as far apart as those of a real one."""
     rng = np.random.default_rng(seed)
     t = np.linspace(0.0, 2.0, 41)
@@ -67,7 +67,7 @@ def smooth(seed: int) -> Trajectory:
 seeds = st.integers(0, 2**32 - 1)
 
 
-def dense(path: Trajectory, n: int) -> np.ndarray:
+def dense(path, n):
     """Points of the path, ``n`` for each stretch."""
     curve = hermite_coefficients(path.t, path.position, world_velocity(path))
     u = np.linspace(0, 1, n)[:, None] ** np.arange(4)

@@ -2,9 +2,6 @@
 
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -12,12 +9,8 @@ from driftform.errors import WorkFailedError
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.search.advance import advance_run
-from driftform.search.jobs import Job, Outcome
 from driftform.search.local import InProcess
 from driftform.study import load_study
-
-Call = Callable[..., Any]
-Rows = Callable[[Path], list[tuple[Any, ...]]]
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
@@ -36,14 +29,14 @@ MOMENTS = [
 
 
 @pytest.fixture
-def whole(call: Call, tmp_path: Path) -> Path:
+def whole(call, tmp_path):
     """A run that nothing has disturbed."""
     result = call(*RUN, "whole")
     assert result.exit_code == 0, result.stderr
     return tmp_path / "whole"
 
 
-def leave(moment: Sequence[str], whole: Path) -> Path:
+def leave(moment, whole):
     """A run directory as a process leaves it that is killed at a moment."""
     directory = whole.with_name("left")
     shutil.rmtree(directory, ignore_errors=True)
@@ -60,9 +53,7 @@ def leave(moment: Sequence[str], whole: Path) -> Path:
 
 
 @pytest.mark.long
-def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_resume_or_by_evolve(
-    call: Call, whole: Path, rows: Rows
-) -> None:
+def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_resume_or_by_evolve(call, whole, rows):
     expected = rows(whole)
     for moment in MOMENTS:
         directory = leave(moment, whole)
@@ -82,7 +73,7 @@ def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_resume
             assert rows(directory) == expected
 
 
-def test_a_directory_of_something_else_is_taken_by_neither(call: Call, tmp_path: Path) -> None:
+def test_a_directory_of_something_else_is_taken_by_neither(call, tmp_path):
     for name in ("notes.txt", ".hidden.part", "run.db.part"):
         folder = tmp_path / "other"
         shutil.rmtree(folder, ignore_errors=True)
@@ -97,11 +88,11 @@ def test_a_directory_of_something_else_is_taken_by_neither(call: Call, tmp_path:
 class Disturbed(InProcess):
     """Does something to the run after its first task."""
 
-    def __init__(self, run: StoredRun, disturb: Callable[[], object]) -> None:
+    def __init__(self, run, disturb):
         super().__init__(run.study.make_pipeline())
-        self._disturb: Callable[[], object] | None = disturb
+        self._disturb = disturb
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+    def evaluate(self, jobs):
         for outcomes in super().evaluate(jobs):
             yield outcomes
             if self._disturb is not None:
@@ -111,9 +102,7 @@ class Disturbed(InProcess):
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows does not let a directory go that is in use")
 @pytest.mark.parametrize("deed", ["moved", "deleted", "replaced"])
-def test_a_run_whose_directory_goes_away_stops_and_says_so(
-    tmp_path: Path, rows: Rows, deed: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_whose_directory_goes_away_stops_and_says_so(tmp_path, rows, deed, monkeypatch):
     # So that the first are written before the directory goes away.
     monkeypatch.setattr("driftform.search.journal.UNWRITTEN_S", 0.0)
     study = load_study(
@@ -121,7 +110,7 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
     )
     path, other = tmp_path / "run", tmp_path / "other"
 
-    def disturb() -> None:
+    def disturb():
         path.rename(other)
         if deed == "deleted":
             shutil.rmtree(other)

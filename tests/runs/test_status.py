@@ -1,7 +1,5 @@
 """The state of a run, counted in any order, and how fast it advances."""
 
-from typing import Any
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,13 +7,11 @@ from hypothesis import strategies as st
 from driftform.cli.display import format_throughput, progress_line
 from driftform.runs.status import PARTS, RunStatus, Throughput
 
-Evaluated = tuple[int, int, str, str | None, list[float]]
-
 fitness = st.floats(0, 100)
 
 
 @st.composite
-def runs(draw: st.DrawFn) -> list[Evaluated]:
+def runs(draw):
     """Evaluations of a run for the targets A and B, in order: index, generation, population, failure, fitness."""
     size = draw(st.integers(1, 6))
     count = draw(st.integers(1, 40))
@@ -31,14 +27,14 @@ def runs(draw: st.DrawFn) -> list[Evaluated]:
     ]
 
 
-def standing_of(evaluations: list[Evaluated]) -> RunStatus:
+def standing_of(evaluations):
     standing = RunStatus(("A", "B"), 100)
     for evaluation in evaluations:
         standing.add(*evaluation)
     return standing
 
 
-def summary(standing: RunStatus) -> list[Any]:
+def summary(standing):
     return [
         (t.best, t.index, t.generation, t.failed, t.mean and pytest.approx(t.mean), t.list_errors())
         for t in standing.targets.values()
@@ -46,14 +42,14 @@ def summary(standing: RunStatus) -> list[Any]:
 
 
 @given(runs(), st.randoms(use_true_random=False))
-def test_the_order_in_which_evaluations_come_does_not_matter(run: list[Evaluated], random: Any) -> None:
+def test_the_order_in_which_evaluations_come_does_not_matter(run, random):
     shuffled = list(run)
     random.shuffle(shuffled)
     assert summary(standing_of(shuffled)) == summary(standing_of(run))
 
 
 @given(runs())
-def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]) -> None:
+def test_a_standing_is_what_a_look_at_all_evaluations_finds(run):
     standing = standing_of(run)
     assert standing.done == len(run)
     assert standing.failed == sum(failure is not None for *_, failure, _ in run)
@@ -68,7 +64,7 @@ def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]
 
 
 @given(runs())
-def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part_of_the_budget(run: list[Evaluated]) -> None:
+def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part_of_the_budget(run):
     for place, target in enumerate(standing_of(run).targets.values()):
         errors = [(row[0], 100 - row[-1][place]) for row in run if not row[3]]
         begun = max((PARTS * index // 100 + 1 for index, _ in errors), default=0)
@@ -79,14 +75,14 @@ def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part_of_the_budget(
 class Clock:
     """A clock that goes when it is told to."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.now = 1000.0
 
-    def __call__(self) -> float:
+    def __call__(self):
         return self.now
 
 
-def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slow() -> None:
+def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slow():
     clock = Clock()
     pace = Throughput(0, clock)
     done = 0
@@ -97,7 +93,7 @@ def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slo
     assert pace.measure(done) == pytest.approx(1 / 20)
 
 
-def test_evaluations_that_come_together_at_first_are_not_a_rate() -> None:
+def test_evaluations_that_come_together_at_first_are_not_a_rate():
     clock = Clock()
     pace = Throughput(0, clock)
     clock.now += 40
@@ -111,7 +107,7 @@ def test_evaluations_that_come_together_at_first_are_not_a_rate() -> None:
     assert pace.measure(40) == pytest.approx(1)
 
 
-def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
+def test_what_was_stored_before_says_nothing_of_the_pace():
     clock = Clock()
     pace = Throughput(500, clock)
     clock.now += 2
@@ -125,7 +121,7 @@ def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
     assert pace.measure(520) == pytest.approx(2.5)
 
 
-def test_a_rate_needs_more_than_a_few_evaluations_after_the_first() -> None:
+def test_a_rate_needs_more_than_a_few_evaluations_after_the_first():
     clock = Clock()
     pace = Throughput(0, clock)
     for done in range(1, 8):
@@ -135,7 +131,7 @@ def test_a_rate_needs_more_than_a_few_evaluations_after_the_first() -> None:
         assert pace.measure(done) == expected
 
 
-def test_time_left_is_that_of_the_present_pace() -> None:
+def test_time_left_is_that_of_the_present_pace():
     clock = Clock()
     standing, pace = RunStatus(("A",), 1000), Throughput(0, clock)
     assert format_throughput(standing, pace) == ""

@@ -3,11 +3,8 @@
 import math
 import pickle
 import sqlite3
-from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +28,7 @@ candidates = st.builds(
 
 
 @st.composite
-def trajectories(draw: st.DrawFn) -> Trajectory:
+def trajectories(draw):
     count = draw(st.integers(1, 60))
     gaps = draw(st.lists(st.floats(1e-4, 0.05), min_size=count - 1, max_size=count - 1))
     t = np.concatenate([[0.0], np.cumsum(gaps)])
@@ -42,7 +39,7 @@ def trajectories(draw: st.DrawFn) -> Trajectory:
 
 
 @st.composite
-def records(draw: st.DrawFn, index: int = 0) -> Record:
+def records(draw, index=0):
     candidate = draw(candidates)
     evaluation = Evaluation(
         candidate.genome,
@@ -56,7 +53,7 @@ def records(draw: st.DrawFn, index: int = 0) -> Record:
     return Record(index, candidate, evaluation, draw(st.integers(0, 2**63 - 1)))
 
 
-def same(a: Evaluation, b: Evaluation) -> bool:
+def same(a, b):
     flights = (a.trajectory, b.trajectory)
     return (
         (a.genome, a.failure, a.seconds) == (b.genome, b.failure, b.seconds)
@@ -76,19 +73,19 @@ def same(a: Evaluation, b: Evaluation) -> bool:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
+def store(tmp_path):
     with Store.create(tmp_path / "run.db", {"title": "of a test"}) as store:
         yield store
 
 
 @pytest.fixture
-def fresh(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
+def fresh(tmp_path_factory):
     return lambda: tmp_path_factory.mktemp("store") / "run.db"
 
 
 @given(st.data())
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_records_read_back_as_a_live_strategy_has_seen_them(fresh: Callable[[], Path], data: st.DataObject) -> None:
+def test_records_read_back_as_a_live_strategy_has_seen_them(fresh, data):
     written = [data.draw(records(index)) for index in range(data.draw(st.integers(0, 3)))]
     path = fresh()
     with Store.create(path, {}) as store:
@@ -109,7 +106,7 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(fresh: Callable[[], 
 
 
 @given(trajectories())
-def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(flight: Trajectory) -> None:
+def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(flight):
     kept = decode(encode(flight), flight.end)
     assert kept.end == flight.end
     assert kept.t[0] == 0.0
@@ -125,7 +122,7 @@ def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(f
 
 
 @given(trajectories(), st.sampled_from([0.0, -0.0, 1.0]))
-def test_what_is_zero_all_along_takes_no_room_and_keeps_its_sign(flight: Trajectory, sway: float) -> None:
+def test_what_is_zero_all_along_takes_no_room_and_keeps_its_sign(flight, sway):
     velocity = flight.velocity.copy()
     velocity[:, 1] = sway
     swaying = encode(replace(flight, velocity=velocity))
@@ -138,13 +135,13 @@ def test_what_is_zero_all_along_takes_no_room_and_keeps_its_sign(flight: Traject
     assert (len(swaying) > len(straight)) == is_stored
 
 
-def evaluated(index: int, a: float, b: float, failure: str | None = None) -> Record:
+def evaluated(index, a, b, failure=None):
     genome = Genome("g", (str(index),))
     return Record(index, Candidate(genome), Evaluation(genome, np.array([a, b]), failure=failure))
 
 
-def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> None:
-    def steps() -> int:
+def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store):
+    def steps():
         """Instructions of SQLite's machine that it takes."""
         count = [0]
         store._connection.set_progress_handler(lambda: count.__setitem__(0, count[0] + 1), 1)
@@ -159,7 +156,7 @@ def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> 
     assert steps() <= small + 10
 
 
-def test_a_run_of_an_earlier_version_has_no_measures_and_gets_those_of_what_is_added(tmp_path: Path) -> None:
+def test_a_run_of_an_earlier_version_has_no_measures_and_gets_those_of_what_is_added(tmp_path):
     with Store.create(tmp_path / "run.db", {}) as store:
         store.add([evaluated(0, 1, 2)], TARGETS)
     with closing(sqlite3.connect(tmp_path / "run.db")) as connection:
@@ -172,7 +169,7 @@ def test_a_run_of_an_earlier_version_has_no_measures_and_gets_those_of_what_is_a
         assert [found.evaluation.measures for found in old.read_records(TARGETS)] == [{}, {"mass": 0.1}]
 
 
-def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) -> None:
+def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store):
     assert store.find_best("A") is None
     for record in (
         evaluated(0, 5.0, 1.0),
@@ -186,7 +183,7 @@ def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) ->
     assert store.find_best("C") is None
 
 
-def test_of_what_is_added_together_all_is_written_once_or_nothing(store: Store) -> None:
+def test_of_what_is_added_together_all_is_written_once_or_nothing(store):
     store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
     for wrong in (evaluated(2, 1.0, 2.0), evaluated(4, float("nan"), 2.0)):
         with pytest.raises(WorkFailedError, match=f"evaluation {wrong.index} cannot be written"):
@@ -196,7 +193,7 @@ def test_of_what_is_added_together_all_is_written_once_or_nothing(store: Store) 
     assert store.count() == 4
 
 
-def test_a_full_disk_is_reported_and_what_was_there_stays(store: Store) -> None:
+def test_a_full_disk_is_reported_and_what_was_there_stays(store):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
     store._connection.execute(f"PRAGMA max_page_count = {pages}")
@@ -205,14 +202,14 @@ def test_a_full_disk_is_reported_and_what_was_there_stays(store: Store) -> None:
     assert store.count() == 1
 
 
-def test_a_file_that_could_not_be_begun_is_not_there(tmp_path: Path) -> None:
+def test_a_file_that_could_not_be_begun_is_not_there(tmp_path):
     with pytest.raises(TypeError):
         Store.create(tmp_path / "run.db", {"no JSON": object()})
     assert list(tmp_path.iterdir()) == []
 
 
 @given(trajectories())
-def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight: Trajectory) -> None:
+def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight):
     once = compress(flight)
     assert compress(once) is once
     travelled = pickle.loads(pickle.dumps(once))
@@ -231,7 +228,7 @@ def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight:
         _ = travelled.colour
 
 
-def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
+def test_a_part_of_the_records_is_read_by_index(store):
     for index in range(5):
         store.add([evaluated(index, index, 0.0)], TARGETS)
     assert [record.index for record in store.read_records(TARGETS, 1, 3)] == [1, 2, 3]
@@ -239,19 +236,19 @@ def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
     assert list(store.read_records(TARGETS, 9, 2)) == []
 
 
-def test_the_scores_come_in_the_order_that_is_asked_for(store: Store) -> None:
+def test_the_scores_come_in_the_order_that_is_asked_for(store):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     assert store.read_record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
 
 
-def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(store: Store, tmp_path: Path) -> None:
+def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(store, tmp_path):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     connection = sqlite3.connect(tmp_path / "run.db")
     assert connection.execute("SELECT COUNT(*) FROM score").fetchone() == (2,)
     connection.close()
 
 
-def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_path: Path) -> None:
+def test_a_reader_that_closes_leaves_the_log_to_the_writer(store, tmp_path):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with Store.open(tmp_path / "run.db") as reader:
         assert reader.count() == 1
@@ -262,7 +259,7 @@ def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_pat
 @pytest.mark.parametrize(
     "read", [lambda store: store.read_records(TARGETS), lambda store: store.read_summaries(TARGETS)]
 )
-def test_a_reading_that_outlives_its_store_calls_no_sound_file_damaged(store: Store, tmp_path: Path, read: Any) -> None:
+def test_a_reading_that_outlives_its_store_calls_no_sound_file_damaged(store, tmp_path, read):
     store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
     with Store.open(tmp_path / "run.db", read_only=True) as reader:
         reading = read(reader)
@@ -270,14 +267,14 @@ def test_a_reading_that_outlives_its_store_calls_no_sound_file_damaged(store: St
     reading.close()
 
 
-def test_an_existing_file_is_never_made_anew(store: Store, tmp_path: Path) -> None:
+def test_an_existing_file_is_never_made_anew(store, tmp_path):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(InputError, match="exists already"):
         Store.create(tmp_path / "run.db", {})
     assert store.count() == 1
 
 
-def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
+def test_where_nothing_can_be_written_it_says_so(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(WorkFailedError, match="cannot be written"):
         Store.create(tmp_path / "file" / "run.db", {})
@@ -285,10 +282,10 @@ def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
         Store.open(tmp_path / "run.db")
 
 
-def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store) -> None:
+def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store):
     # The last two samples are nearer than the time can tell apart so late in a flight.
     t = np.array([0.0, 50_000.0, 50_000.0001])
-    rest: Any = np.zeros((3, 13))
+    rest = np.zeros((3, 13))
     flight = Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], End.HORIZON)
     kept = decode(encode(flight), flight.end)
     assert (np.diff(kept.t) > 0).all()
@@ -297,15 +294,15 @@ def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store
 class Refusing:
     """A connection to a database that cannot be read, for the reason of a code."""
 
-    def __init__(self, code: int) -> None:
+    def __init__(self, code):
         self._code = code
 
-    def execute(self, *_: object) -> None:
+    def execute(self, *_):
         error = sqlite3.OperationalError("so it is")
         error.sqlite_errorcode = self._code
         raise error
 
-    def close(self) -> None: ...
+    def close(self): ...
 
 
 @pytest.mark.parametrize(
@@ -321,7 +318,7 @@ class Refusing:
         (sqlite3.SQLITE_IOERR_READ, WorkFailedError),
     ],
 )
-def test_only_a_damaged_file_is_called_damaged(tmp_path: Path, code: int, expected: type[Exception]) -> None:
+def test_only_a_damaged_file_is_called_damaged(tmp_path, code, expected):
     with Store.create(tmp_path / "run.db", {}) as store:
         readable, store._connection = store._connection, Refusing(code)  # type: ignore[assignment]
         with pytest.raises(expected) as caught:
@@ -332,7 +329,7 @@ def test_only_a_damaged_file_is_called_damaged(tmp_path: Path, code: int, expect
     assert ("cannot be read here: so it is; the data are untouched" in text) == (expected is WorkFailedError)
 
 
-def test_a_flight_that_no_reader_would_unpack_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_flight_that_no_reader_would_unpack_is_not_stored(monkeypatch):
     monkeypatch.setattr(compression, "MAX_FLIGHT_BYTES", 100 * 14 * 4)
     for count, is_refused in ((100, False), (101, True)):
         t = 2 * SAMPLE_GAP * np.arange(float(count))
@@ -345,7 +342,7 @@ def test_a_flight_that_no_reader_would_unpack_is_not_stored(monkeypatch: pytest.
             assert (decode(encode(flight), flight.end).t == t.astype(np.float32)).all()
 
 
-def test_damage_that_sqlite_describes_with_the_damaged_bytes_is_one_line(tmp_path: Path) -> None:
+def test_damage_that_sqlite_describes_with_the_damaged_bytes_is_one_line(tmp_path):
     path = tmp_path / "run.db"
     Store.create(path, {"targets": {"A": (1.0, 0.0, 0.0)}}).close()
     with closing(sqlite3.connect(path)) as connection, connection:

@@ -5,10 +5,8 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, closing
+from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,15 +17,7 @@ from driftform.runs.versions import find_versions
 from driftform.search import cluster
 from driftform.search.cluster import Cluster
 from driftform.search.jobs import Job
-from driftform.study import Study, load_study
-
-Call = Callable[..., Any]
-Dask = Callable[..., subprocess.Popen[bytes]]
-Program = Callable[..., subprocess.CompletedProcess[str]]
-Refused = Callable[..., str]
-Rows = Callable[[Path], list[tuple[Any, ...]]]
-Scheduler = Callable[[], AbstractContextManager[tuple[str, subprocess.Popen[bytes]]]]
-Start = Callable[..., subprocess.Popen[str]]
+from driftform.study import load_study
 
 STUDY = (
     *("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--target", "TP8"),
@@ -36,17 +26,15 @@ STUDY = (
 
 
 @pytest.fixture
-def study(fakes: None) -> Study:
+def study(fakes):
     return load_study("paper", use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
 
 
-def job(study: Study) -> Job:
+def job(study):
     return Job(0, study.make_plugin("grammar").random(np.random.default_rng(1)))
 
 
-def test_a_run_on_a_cluster_is_the_run_of_one_process(
-    call: Call, fakes: None, rows: Rows, dask_cluster: str, tmp_path: Path
-) -> None:
+def test_a_run_on_a_cluster_is_the_run_of_one_process(call, fakes, rows, dask_cluster, tmp_path):
     result = call(*STUDY, "--scheduler", dask_cluster)
     assert result.exit_code == 0, result.stderr
     there = rows(tmp_path / "run")
@@ -56,9 +44,7 @@ def test_a_run_on_a_cluster_is_the_run_of_one_process(
     assert rows(tmp_path / "run") == there
 
 
-def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
-    dask: Dask, dask_scheduler: Scheduler, tmp_path: Path, fakes: None
-) -> None:
+def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(dask, dask_scheduler, tmp_path, fakes):
     study = load_study(None, ["simulator.pause=0.05"], use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
     jobs = [Job(index, job(study).genome) for index in range(20)]
     with dask_scheduler() as (address, _), dask("worker", address, "--nthreads", 4, cwd=tmp_path) as worker:
@@ -70,9 +56,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
         worker.terminate()
 
 
-def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins(
-    start: Start, dask: Dask, dask_scheduler: Scheduler, tmp_path: Path
-) -> None:
+def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins(start, dask, dask_scheduler, tmp_path):
     with dask_scheduler() as (address, _), start(*STUDY, "--scheduler", address, "--json", cwd=tmp_path) as process:
         assert process.stderr is not None
         line = process.stderr.readline()
@@ -86,8 +70,8 @@ def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins
 
 
 def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
-    start: Start, dask: Dask, dask_scheduler: Scheduler, run: Program, rows: Rows, tmp_path: Path
-) -> None:
+    start, dask, dask_scheduler, run, rows, tmp_path
+):
     with (
         dask_scheduler() as (address, scheduler),
         dask("worker", address, "--nthreads", 1, cwd=tmp_path) as worker,
@@ -112,9 +96,7 @@ def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     assert rows(tmp_path / "run") == interrupted
 
 
-def test_a_scheduler_with_tls_is_joined_as_the_page_says(
-    study: Study, dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scheduler_with_tls_is_joined_as_the_page_says(study, dask, tmp_path, monkeypatch):
     import dask as dask_package
 
     if shutil.which("openssl") is None:
@@ -148,9 +130,7 @@ def test_a_scheduler_with_tls_is_joined_as_the_page_says(
         scheduler.terminate()
 
 
-def test_other_versions_on_a_worker_are_refused(
-    study: Study, dask_cluster: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_versions_on_a_worker_are_refused(study, dask_cluster, monkeypatch):
     other = find_versions(study.document) | {"driftform-fake": "2.0"}
     monkeypatch.setattr(cluster, "find_versions", lambda _: other)
     with (
@@ -160,13 +140,13 @@ def test_other_versions_on_a_worker_are_refused(
         list(executor.evaluate([job(study)]))
 
 
-def test_versions_that_affect_an_outcome_are_compared(study: Study) -> None:
+def test_versions_that_affect_an_outcome_are_compared(study):
     found = find_versions(study.document)
     assert {"driftform", "driftform-lsystem", "driftform-frusta", "driftform-fake", "numpy"} <= found.keys()
     assert "driftform-exudyn" not in found
 
 
-def test_workers_that_lack_a_plugin_of_the_study_report_it(study: Study, dask_cluster: str) -> None:
+def test_workers_that_lack_a_plugin_of_the_study_report_it(study, dask_cluster):
     document = study.document | {"simulator": {"use": "unheard-of"}}
     with (
         closing(Cluster(document, dask_cluster)) as executor,
@@ -175,9 +155,7 @@ def test_workers_that_lack_a_plugin_of_the_study_report_it(study: Study, dask_cl
         list(executor.evaluate([job(study)]))
 
 
-def test_workers_that_cannot_import_the_task_report_it(
-    study: Study, dask_cluster: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_that_cannot_import_the_task_report_it(study, dask_cluster, monkeypatch):
     monkeypatch.setattr(cluster, "_call", work_that_breaks)
     with (
         closing(Cluster(study.document, dask_cluster)) as executor,
@@ -186,7 +164,7 @@ def test_workers_that_cannot_import_the_task_report_it(
         list(executor.evaluate([job(study)]))
 
 
-def work_that_breaks(*_: object) -> None:
+def work_that_breaks(*_):
     """A task of this module, which no worker can import."""
 
 
@@ -200,21 +178,19 @@ def work_that_breaks(*_: object) -> None:
         ("", "no Dask scheduler answers there ("),
     ],
 )
-def test_an_address_without_a_scheduler_is_refused(
-    refused: Refused, address: str, message: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_address_without_a_scheduler_is_refused(refused, address, message, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 1.0)
     line = refused("evolve", "--out", "run", "--scheduler", address)
     assert line.startswith(f"error: --scheduler {address}: {message}")
     assert "'dask scheduler'" in line
 
 
-def test_a_number_of_workers_and_a_scheduler_exclude_each_other(refused: Refused) -> None:
+def test_a_number_of_workers_and_a_scheduler_exclude_each_other(refused):
     line = refused("evolve", "--out", "run", "--workers", 2, "--scheduler", "tcp://x:1")
     assert line.startswith("error: --workers 2: a cluster has the workers that joined it")
 
 
-def test_without_the_extra_it_prints_how_to_install_it(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_extra_it_prints_how_to_install_it(refused, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     line = refused("evolve", "--scheduler", "tcp://x:1", "--out", "run")
     assert line.startswith("error: --scheduler needs Dask (")

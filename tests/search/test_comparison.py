@@ -1,14 +1,11 @@
 """Repeats of searches, and their statistics."""
 
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 from driftform.search.comparison import Outcome, compare_values, write_values
 
 
-def test_the_interval_of_a_difference_covers_it_as_often_as_it_says() -> None:
+def test_the_interval_of_a_difference_covers_it_as_often_as_it_says():
     rng, covered = np.random.default_rng(0), 0
     for _ in range(60):
         found = compare_values(rng.normal(1.0, 1.0, 30), rng.normal(0.0, 1.0, 30))
@@ -17,16 +14,14 @@ def test_the_interval_of_a_difference_covers_it_as_often_as_it_says() -> None:
     assert covered >= 52
 
 
-def test_ranks_of_the_same_search_differ_by_chance_alone() -> None:
+def test_ranks_of_the_same_search_differ_by_chance_alone():
     rng = np.random.default_rng(1)
     found = [compare_values(rng.normal(size=10), rng.normal(size=10))["p"] for _ in range(100)]
     assert np.mean(np.array(found) < 0.05) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 100)
     assert compare_values(np.arange(10.0), np.arange(10.0) + 10)["p"] < 1e-3
 
 
-def test_texts_that_a_spreadsheet_takes_for_formulas_are_warned_of(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_texts_that_a_spreadsheet_takes_for_formulas_are_warned_of(tmp_path, capsys):
     outcome = Outcome(("leak",), np.ones((1, 1, 1)), {"fitness": np.ones((1, 1))}, 0)
     write_values(tmp_path / "values.csv", {"=1+1": outcome}, [1])
     assert "warning: texts in search begin with =, +, - or @" in capsys.readouterr().err
@@ -34,5 +29,5 @@ def test_texts_that_a_spreadsheet_takes_for_formulas_are_warned_of(
     assert capsys.readouterr().err == ""
 
 
-def test_what_is_not_known_says_nothing() -> None:
+def test_what_is_not_known_says_nothing():
     assert compare_values(np.array([1.0, np.nan]), np.array([1.0, 2.0]))["median"] is None

@@ -7,7 +7,7 @@ from driftform.search.early_warnings import FIRST, warn_of_rest
 from driftform.types import End, Evaluation, Genome, Trajectory
 
 
-def flight(length: float, end: End) -> Evaluation:
+def flight(length, end):
     """A flight of some length (m) along the axis."""
     t = np.linspace(0.0, 10.0, 50)
     position = np.column_stack([length * t / 10, 0 * t, 0 * t])
@@ -18,7 +18,7 @@ def flight(length: float, end: End) -> Evaluation:
 FAILED = Evaluation(Genome("g", ()), np.zeros(2), failure="no body")
 
 
-def test_flights_that_nearly_all_last_to_the_horizon_are_said_with_how_far_they_came() -> None:
+def test_flights_that_nearly_all_last_to_the_horizon_are_said_with_how_far_they_came():
     held = [flight(2.0 + 0.01 * k, End.HORIZON) for k in range(FIRST - 2)]
     line = warn_of_rest([*held, flight(9.0, End.OUTLET), FAILED], 40.0)
     assert line is not None
@@ -36,5 +36,5 @@ def test_flights_that_nearly_all_last_to_the_horizon_are_said_with_how_far_they_
     ],
     ids=["all arrive", "three arrive", "most failed"],
 )
-def test_flights_that_arrive_or_fail_are_no_evidence(first: list[Evaluation]) -> None:
+def test_flights_that_arrive_or_fail_are_no_evidence(first):
     assert warn_of_rest(first, 40.0) is None

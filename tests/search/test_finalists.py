@@ -1,6 +1,5 @@
 """The last round: who is flown again, and who wins."""
 
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -23,11 +22,10 @@ from driftform.search.finalists import (
     fly_finalists,
     robust_fitness,
 )
-from driftform.search.jobs import Job, Outcome
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
-from driftform.study import Study, load_study
-from driftform.types import Evaluation, FloatArray, Genome
+from driftform.study import load_study
+from driftform.types import Evaluation
 from driftform.water.disturbances import FLOWN, KNOWN, Condition, Specimen
 from driftform.water.scenario import Robustness
 
@@ -39,7 +37,7 @@ BASELINES = set(range(16, 22))
 """Numbers of the flights of both baselines."""
 
 
-def study_of(*settings: str, evaluations: int = 8) -> Study:
+def study_of(*settings, evaluations=8):
     return load_study(
         "paper",
         settings=(*SETTINGS, *settings),
@@ -50,14 +48,14 @@ def study_of(*settings: str, evaluations: int = 8) -> Study:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
+def store(tmp_path):
     study = study_of()
     with Store.create(tmp_path / "run.db", dict(study.document)) as store:
         run_search(study, store, InProcess(study.make_pipeline()))
         yield store
 
 
-def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_those_of_the_promise(store: Store) -> None:
+def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_those_of_the_promise(store):
     study, seen = study_of(), []
     executor = InProcess(study.make_pipeline())
     fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
@@ -77,12 +75,12 @@ def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_thos
     assert seen[0][0] == 0 and seen[-1] == (total, total)
     assert all(a <= b for (a, _), (b, _) in pairwise(seen))
     assert all(total <= promised for _, promised in seen)
-    again: list[tuple[int, int]] = []
+    again = []
     fly_finalists(study, store, executor, lambda done, total: again.append((done, total)))
     assert again[-1] == (total, total) and len(store.list_disturbed()) == total
 
 
-def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: Store) -> None:
+def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store):
     study = study_of()
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     index, flights = next(iter(store.read_disturbed("TP6").items()))
@@ -108,7 +106,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
         assert np.linalg.norm(offset) == pytest.approx((1 - fitness / 100) * d_max, abs=1e-5)
 
 
-def test_flights_of_the_promise_say_nothing_of_targets_that_another_agent_is_for(tmp_path: Path) -> None:
+def test_flights_of_the_promise_say_nothing_of_targets_that_another_agent_is_for(tmp_path):
     study = study_of(evaluations=20)
     with Store.create(tmp_path / "run.db", dict(study.document)) as store:
         run_search(study, store, InProcess(study.make_pipeline()))
@@ -122,13 +120,13 @@ def test_flights_of_the_promise_say_nothing_of_targets_that_another_agent_is_for
             assert np.isnan([flown[other][number] for number in range(4, 13)]).all()
 
 
-def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
+def test_the_conditions_of_the_promise_are_not_those_of_the_choice():
     drawn = draw_rounds(study_of())
     assert len(set(drawn)) == len(drawn) == 4 + 3 * len(FLOWN)
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
 
 
-def test_weighed_prints_fly_again_in_known_gusts_if_the_gusts_are_in_doubt(tmp_path: Path) -> None:
+def test_weighed_prints_fly_again_in_known_gusts_if_the_gusts_are_in_doubt(tmp_path):
     options = {"targets": ["TP2"], "use": {"simulator": "native", "strategy": "random"}}
     study = load_study("pipe-inspection", settings=SETTINGS, run={"seed": 2, "evaluations": 6}, **options)
     drawn = draw_rounds(study)
@@ -149,7 +147,7 @@ def test_weighed_prints_fly_again_in_known_gusts_if_the_gusts_are_in_doubt(tmp_p
     assert 0 < abs(found[Specimen.WEIGHED]["p90_known_gusts"] - found[Specimen.WEIGHED]["p90"]) < 0.1
 
 
-def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: Store) -> None:
+def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store):
     study = study_of()
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     masses = weigh_prints(study, store)
@@ -175,7 +173,7 @@ def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: S
         assert best.genome == record.candidate.genome
 
 
-def weigh_prints(study: Study, store: Store) -> dict[int, float]:
+def weigh_prints(study, store):
     """Mass of each print without core and ballast, kg."""
     designs, pipeline = store.read_records(("TP2", "TP6")), study.make_pipeline()
     bodies = {record.index: pipeline.make_agent(record.candidate.genome).body for record in designs}
@@ -185,18 +183,18 @@ def weigh_prints(study: Study, store: Store) -> dict[int, float]:
     }
 
 
-def find_lightest(scores: Mapping[int, float], masses: Mapping[int, float]) -> int:
+def find_lightest(scores, masses):
     """Of those that lack to 100 % at most a twentieth more than the best, the one with the lightest print."""
     lacks = {index: 100 - score for index, score in scores.items()}
     equal = [index for index in lacks if lacks[index] <= 1.05 * min(lacks.values())]
     return min(equal, key=lambda index: masses[index])
 
 
-def scored(index: int, condition: int, fitness: float) -> DisturbedResult:
+def scored(index, condition, fitness):
     return DisturbedResult(index, condition, np.array([fitness, 50.0]), np.ones((2, 3)))
 
 
-def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: Store) -> None:
+def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store):
     study = study_of("robustness.score='mean'")
     favourite = store.find_best("TP2")
     assert favourite is not None
@@ -210,7 +208,7 @@ def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: 
     assert greedy is not None and greedy.index == favourite[0]
 
 
-def test_of_finalists_that_do_equally_well_the_lightest_print_wins(store: Store) -> None:
+def test_of_finalists_that_do_equally_well_the_lightest_print_wins(store):
     masses = weigh_prints(study_of(), store)
     heavy, light, lightest = sorted(range(8), key=lambda index: -masses[index])[-3:]
     for index, score in ((heavy, 90.0), (light, 89.6), (lightest, 89.4)):
@@ -223,9 +221,7 @@ def test_of_finalists_that_do_equally_well_the_lightest_print_wins(store: Store)
     assert found is not None and found.index == heavy
 
 
-def test_of_equal_finalists_of_one_mass_the_best_undisturbed_flight_wins(
-    store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_equal_finalists_of_one_mass_the_best_undisturbed_flight_wins(store, monkeypatch):
     monkeypatch.setattr("driftform.search.finalists.hull_mass", lambda body: 0.05)
     best = store.find_best("TP2")
     assert best is not None
@@ -234,7 +230,7 @@ def test_of_equal_finalists_of_one_mass_the_best_undisturbed_flight_wins(
     assert found is not None and found.index == best[0]
 
 
-def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -> None:
+def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store):
     store.add([], ("TP2", "TP6"), [scored(0, c, 100.0) for c in range(3)])
     assert find_winner(study_of(), store, "TP2") is None
     best = find_best_agent(study_of(), store, "TP2")
@@ -246,13 +242,13 @@ def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -
     assert best.result["evaluation"] == 0 and best.result["median"] is None and best.result["p90"] is None
 
 
-def test_without_conditions_nothing_is_flown(store: Store) -> None:
+def test_without_conditions_nothing_is_flown(store):
     study = study_of("robustness.conditions=0")
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     assert store.list_disturbed() == set()
 
 
-def test_a_run_of_which_every_evaluation_failed_has_no_last_round(tmp_path: Path) -> None:
+def test_a_run_of_which_every_evaluation_failed_has_no_last_round(tmp_path):
     study, seen = study_of("simulator.step_limit=1"), []
     executor = InProcess(study.make_pipeline())
     with Store.create(tmp_path / "run.db", dict(study.document)) as store:
@@ -286,13 +282,13 @@ def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
 class Table:
     """An executor whose flights score what a table says, in the order in which genomes come."""
 
-    def __init__(self, study: Study, undisturbed: FloatArray, disturbed: FloatArray) -> None:
+    def __init__(self, study, undisturbed, disturbed):
         self.conditions = draw_rounds(study)
         self.undisturbed, self.disturbed = undisturbed, disturbed
-        self.rows: dict[Genome, int] = {}
+        self.rows = {}
         self.begin = None
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+    def evaluate(self, jobs):
         for job in jobs:
             row = self.rows.setdefault(job.genome, len(self.rows))
             scores = self.undisturbed[row]
@@ -307,7 +303,7 @@ class Table:
     score=st.sampled_from(["quantile", "mean", "worst"]),
     level=st.sampled_from([90.0, 98.0]),
 )
-def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score: str, level: float) -> None:
+def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed, score, level):
     rng = np.random.default_rng(seed)
     count = 12
     chosen = ("robustness.conditions=12", "robustness.survey=0")
@@ -337,7 +333,7 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     assert flights <= 12 * len(finalists) + 9 * len({winner.index for winner in found if winner is not None}) + 6
 
 
-def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh_flights_alone(tmp_path: Path) -> None:
+def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh_flights_alone(tmp_path):
     study = study_of("robustness.score='mean'", "robustness.conditions=12", "robustness.survey=0")
     undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(FLOWN), 2), 98.0)
     undisturbed[:2] = [[99.9], [99.5]]
@@ -352,7 +348,7 @@ def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh
     assert [winner.promises[specimen].misses.count for specimen in FLOWN] == [3] * len(FLOWN)
 
 
-def test_a_finalist_that_is_as_perfect_as_the_best_of_the_search_flies_on(tmp_path: Path) -> None:
+def test_a_finalist_that_is_as_perfect_as_the_best_of_the_search_flies_on(tmp_path):
     study = study_of("robustness.score='worst'", "robustness.conditions=12", "robustness.survey=0")
     undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(FLOWN), 2), 100.0)
     undisturbed[:2] = [[99.9], [99.5]]
@@ -363,15 +359,13 @@ def test_a_finalist_that_is_as_perfect_as_the_best_of_the_search_flies_on(tmp_pa
         assert set(range(12)) <= set(store.read_disturbed("TP2")[1])
 
 
-def test_failed_flights_do_not_lower_a_score_unless_most_failed() -> None:
+def test_failed_flights_do_not_lower_a_score_unless_most_failed():
     fitness = np.array([[90.0, 90.0], [80.0, np.nan], [np.nan, np.nan]])
     for score, expected in (("mean", 85.0), ("worst", 80.0)):
         assert robust_fitness(fitness, Robustness(score=score)).tolist() == [expected, 0.0]
 
 
-def test_a_baseline_is_tuned_for_its_target_and_flown_weighed_under_the_conditions_of_the_promise(
-    tmp_path: Path,
-) -> None:
+def test_a_baseline_is_tuned_for_its_target_and_flown_weighed_under_the_conditions_of_the_promise(tmp_path):
     options = {"targets": ["TP2", "TP6"], "use": {"simulator": "native", "strategy": "random"}}
     study = load_study("pipe-inspection", settings=SETTINGS, run={"seed": 2, "evaluations": 6}, **options)
     executor, pipeline = InProcess(study.make_pipeline()), study.make_pipeline()

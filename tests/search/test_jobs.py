@@ -15,9 +15,7 @@ from driftform.water.disturbances import draw_conditions
 
 
 @given(st.integers(1, 10**6), st.integers(1, 500), st.none() | st.floats(0, 1e4))
-def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(
-    waiting: int, processes: int, seconds: float | None
-) -> None:
+def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(waiting, processes, seconds):
     size = task_size(waiting, processes, seconds)
     assert 1 <= size <= min(MAX_BATCH, waiting)
     if seconds is not None:
@@ -26,7 +24,7 @@ def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(
 
 
 @pytest.mark.parametrize("seconds", [0.005, 0.03, 0.2])
-def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: float) -> None:
+def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds):
     waiting, busy, tasks = 100, [0.0, 0.0], 0
     while waiting:
         size = task_size(waiting, 2, seconds)
@@ -36,7 +34,7 @@ def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: fl
     assert tasks <= 30
 
 
-def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores() -> None:
+def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores():
     study = load_study("paper", targets=["TP2", "TP6"], run={"seed": 1}, use={"simulator": "native"})
     pipeline = study.make_pipeline()
     genome = pipeline.grammar.random(np.random.default_rng(1))
@@ -52,7 +50,7 @@ def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores() -> None:
 
 
 @pytest.mark.parametrize("conditions", [0, 5])
-def test_a_rehearsal_is_one_flight_under_the_conditions_of_the_study(conditions: int) -> None:
+def test_a_rehearsal_is_one_flight_under_the_conditions_of_the_study(conditions):
     study = load_study(
         "paper", ["flight.horizon=0.2", f"robustness.conditions={conditions}"], use={"simulator": "native"}
     )

@@ -1,10 +1,7 @@
 """The ask/tell loop: what it stores, how it goes on, and what it refuses."""
 
-from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,20 +9,19 @@ import pytest
 from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
 from driftform.runs.run import StoredRun
-from driftform.runs.store import Record, Store
-from driftform.search.jobs import Job, Outcome
+from driftform.runs.store import Store
 from driftform.search.journal import UNWRITTEN_S
 from driftform.search.local import InProcess
 from driftform.search.loop import BestFitness, run_search
 from driftform.search.results import write_results
-from driftform.study import Study, load_study
+from driftform.study import load_study
 from driftform.types import Evaluation, Genome
 from driftform_strategies.random import RandomStrategy
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
 
-def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **more: Any) -> Study:
+def study_of(*settings, evaluations=25, strategy="paper", **more):
     return load_study(
         "paper",
         settings,
@@ -39,7 +35,7 @@ SMALL = {"paper": [], "random": ["strategy.batch=4"], "evolution": ["strategy.ra
 """Settings with which 25 evaluations are several batches."""
 
 
-def rows(store: Store, study: Study) -> list[tuple[Any, ...]]:
+def rows(store, study):
     return [
         (r.index, r.candidate, r.evaluation.fitness.tobytes(), r.evaluation.failure)
         for r in store.read_records(study.scenario.target_names)
@@ -47,7 +43,7 @@ def rows(store: Store, study: Study) -> list[tuple[Any, ...]]:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
+def store(tmp_path):
     with Store.create(tmp_path / "run.db", {}) as store:
         yield store
 
@@ -55,13 +51,13 @@ def store(tmp_path: Path) -> Iterator[Store]:
 class Counting:
     """Evaluates in this process, backwards, and remembers what it was asked for."""
 
-    def __init__(self, study: Study, breaks_after: int | None = None) -> None:
+    def __init__(self, study, breaks_after=None):
         self._executor = InProcess(study.make_pipeline())
         self.begin = self._executor.begin
         self._left = breaks_after
-        self.asked: list[int] = []
+        self.asked = []
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+    def evaluate(self, jobs):
         for outcome in list(chain.from_iterable(self._executor.evaluate(jobs)))[::-1]:
             if self._left is not None:
                 if self._left == 0:
@@ -73,9 +69,7 @@ class Counting:
 
 @pytest.mark.parametrize("strategy", ["paper", "random", "evolution"])
 @pytest.mark.parametrize("stop", [0, 1, 7, 20, 24])
-def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
-    store: Store, tmp_path: Path, strategy: str, stop: int
-) -> None:
+def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(store, tmp_path, strategy, stop):
     study = study_of(*SMALL[strategy], strategy=strategy)
     with Store.create(tmp_path / "whole.db", {}) as whole:
         run_search(study, whole, Counting(study))
@@ -93,24 +87,22 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
 class Timed(Counting):
     """The same; each evaluation took as long as is said."""
 
-    def __init__(self, study: Study, seconds: float) -> None:
+    def __init__(self, study, seconds):
         super().__init__(study)
         self._seconds = seconds
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+    def evaluate(self, jobs):
         for outcomes in super().evaluate(jobs):
             yield [(index, replace(evaluation, seconds=self._seconds)) for index, evaluation in outcomes]
 
 
 @pytest.mark.parametrize("seconds", [UNWRITTEN_S / 10.5, 2 * UNWRITTEN_S])
-def test_a_kill_loses_no_more_than_the_work_of_a_moment_and_nothing_that_was_shown(
-    store: Store, monkeypatch: pytest.MonkeyPatch, seconds: float
-) -> None:
-    lost: list[int] = []
-    seen: list[int] = []
+def test_a_kill_loses_no_more_than_the_work_of_a_moment_and_nothing_that_was_shown(store, monkeypatch, seconds):
+    lost = []
+    seen = []
     evaluate = Timed.evaluate
 
-    def watch(self: Timed, jobs: Sequence[Job]) -> Iterator[Sequence[Outcome]]:
+    def watch(self, jobs):
         for number, outcomes in enumerate(evaluate(self, jobs)):
             with Store.open(store._path, read_only=True) as what_a_kill_leaves:
                 stored = [r.index for r in what_a_kill_leaves.read_records(study.scenario.target_names)]
@@ -126,15 +118,13 @@ def test_a_kill_loses_no_more_than_the_work_of_a_moment_and_nothing_that_was_sho
 
 
 @pytest.mark.parametrize("ahead", [False, True])
-def test_a_strategy_that_can_is_asked_for_one_batch_while_another_is_flown(
-    store: Store, monkeypatch: pytest.MonkeyPatch, ahead: bool
-) -> None:
-    calls: list[str] = []
+def test_a_strategy_that_can_is_asked_for_one_batch_while_another_is_flown(store, monkeypatch, ahead):
+    calls = []
 
-    def record(name: str) -> None:
+    def record(name):
         usual = getattr(RandomStrategy, name)
 
-        def call(*args: Any) -> Any:
+        def call(*args):
             calls.append(name)
             return usual(*args)
 
@@ -148,7 +138,7 @@ def test_a_strategy_that_can_is_asked_for_one_batch_while_another_is_flown(
     assert calls == (["ask", "ask", "tell", "ask", "tell", "tell"] if ahead else ["ask", "tell"] * 3)
 
 
-def screened_study(strategy: str) -> Study:
+def screened_study(strategy):
     batch = {"random": "strategy.batch=10", "evolution": "strategy.random=10"}[strategy]
     return load_study(
         "paper",
@@ -161,7 +151,7 @@ def screened_study(strategy: str) -> Study:
 
 @pytest.mark.long
 @pytest.mark.parametrize("strategy", ["random", "evolution"])
-def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(store: Store, strategy: str) -> None:
+def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(store, strategy):
     study = screened_study(strategy)
     run_search(study, store, InProcess(study.make_pipeline()))
     records = list(store.read_records(study.scenario.target_names))
@@ -177,7 +167,7 @@ def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_be
     np.testing.assert_array_equal(expected.max(axis=0), fitness.max(axis=0))
 
 
-def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(store: Store, tmp_path: Path) -> None:
+def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(store, tmp_path):
     study = screened_study("evolution")
     targets = study.scenario.target_names
     with Store.create(tmp_path / "whole.db", {}) as whole:
@@ -189,13 +179,13 @@ def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(
     assert (rows(store, study), [error_of(record) for record in store.read_records(targets)]) == expected
 
 
-def error_of(record: Record) -> float | None:
+def error_of(record):
     trajectory = record.evaluation.trajectory
     assert trajectory is not None
     return trajectory.error
 
 
-def test_a_strategy_that_uses_every_fitness_has_every_flight_checked(store: Store) -> None:
+def test_a_strategy_that_uses_every_fitness_has_every_flight_checked(store):
     study = load_study(
         "paper", use={"simulator": "native", "strategy": "paper"}, targets=["TP1"], run={"evaluations": 20}
     )
@@ -203,7 +193,7 @@ def test_a_strategy_that_uses_every_fitness_has_every_flight_checked(store: Stor
     assert all(flight.error is not None for _, flight in store.read_trajectories())
 
 
-def test_the_best_fitness_lowers_a_threshold_and_failures_do_not_count() -> None:
+def test_the_best_fitness_lowers_a_threshold_and_failures_do_not_count():
     genome, best = Genome("letters", ("A",)), BestFitness(targets=2, count=2)
     assert best.lower_threshold((50.0, np.inf)) == (-np.inf, -np.inf)
     best.add([Evaluation(genome, np.array(values)) for values in ([10.0, 20.0], [30.0, 5.0], [20.0, 1.0])])
@@ -213,26 +203,26 @@ def test_the_best_fitness_lowers_a_threshold_and_failures_do_not_count() -> None
     assert best.lower_threshold(None) is None
 
 
-def test_a_finished_run_is_replayed_without_a_flight(store: Store) -> None:
+def test_a_finished_run_is_replayed_without_a_flight(store):
     study = study_of()
     run_search(study, store, Counting(study))
     before = rows(store, study)
     again = Counting(study)
-    seen: list[Record] = []
+    seen = []
     run_search(study, store, again, seen.append)
     assert again.asked == []
     assert len(seen) == 25
     assert rows(store, study) == before
 
 
-def test_a_run_that_its_study_would_not_make_now_is_refused(store: Store) -> None:
+def test_a_run_that_its_study_would_not_make_now_is_refused(store):
     run_search(study_of(), store, Counting(study_of()))
     other = load_study("paper", use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 4})
     with pytest.raises(InputError, match=r"evaluation 0 of this run is not the one .* environment\.json"):
         run_search(other, store, Counting(other))
 
 
-def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Store) -> None:
+def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store):
     study = study_of("simulator.fail=0.5")
     run_search(study, store, Counting(study))
     assert 0 < store.count_failed() < store.count() == 25
@@ -245,7 +235,7 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
 
 
 @pytest.mark.parametrize("slip", ["nan", "infinite", "negative", "too many", "too few"])
-def test_a_fitness_that_no_selection_can_work_with_is_a_failure(store: Store, tmp_path: Path, slip: str) -> None:
+def test_a_fitness_that_no_selection_can_work_with_is_a_failure(store, tmp_path, slip):
     study = study_of("fitness.use=slipping", f"fitness.slip='{slip}'")
     run_search(study, store, Counting(study))
     assert store.count_failed() == 25
@@ -255,7 +245,7 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(store: Store, tm
         write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
 
 
-def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:
+def test_the_best_of_each_target_is_written(store, tmp_path):
     study = study_of(formats=["scad"])
     run_search(study, store, Counting(study))
     results = write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))

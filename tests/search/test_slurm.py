@@ -7,10 +7,8 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -24,12 +22,10 @@ run.evaluations = 60
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="a script of bash, and /proc")
-def test_a_job_that_is_preempted_ends_like_one_that_was_not(
-    fake_plugin: Path, rows: Callable[[Path], list[Any]], tmp_path: Path
-) -> None:
+def test_a_job_that_is_preempted_ends_like_one_that_was_not(fake_plugin, rows, tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "running.md").read_text(encoding="utf-8")
 
-    def count(run: Path) -> int:
+    def count(run):
         with suppress(sqlite3.OperationalError):
             # Reading would make the file.
             return len(rows(run)) if (run / "run.db").exists() else 0

@@ -1,8 +1,6 @@
 """The survey of a search: who is flown under disturbed conditions, and what the strategy receives."""
 
-from collections.abc import Iterator
 from itertools import chain
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +12,13 @@ from driftform.search.journal import Journal
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.search.survey import Survey, read_scores
-from driftform.study import Study, load_study
-from driftform.types import Candidate, Evaluation, FloatArray
+from driftform.study import load_study
+from driftform.types import Candidate
 
 TARGETS = ("TP2", "TP6")
 
 
-def study_of(*settings: str, strategy: str = "evolution", evaluations: int = 24) -> Study:
+def study_of(*settings, strategy="evolution", evaluations=24):
     return load_study(
         "paper",
         ("robustness.conditions=3", "robustness.checks=2", "robustness.finalists=2", "strategy.random=8", *settings),
@@ -31,17 +29,17 @@ def study_of(*settings: str, strategy: str = "evolution", evaluations: int = 24)
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
+def store(tmp_path):
     with Store.create(tmp_path / "run.db", {}) as store:
         yield store
 
 
-def candidates_of(study: Study, thresholds: list[tuple[float, float] | None]) -> list[Candidate]:
+def candidates_of(study, thresholds):
     grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
     return [Candidate(grammar.random(rng), threshold=threshold) for threshold in thresholds]
 
 
-def fly_batch(study: Study, store: Store, candidates: list[Candidate]) -> tuple[list[Evaluation], list[Evaluation]]:
+def fly_batch(study, store, candidates):
     """The undisturbed flights, and what a strategy receives for them."""
     executor = InProcess(study.make_pipeline())
     jobs = [Job(number, candidate.genome) for number, candidate in enumerate(candidates)]
@@ -52,17 +50,17 @@ def fly_batch(study: Study, store: Store, candidates: list[Candidate]) -> tuple[
         return flights, Survey(study, journal, executor).fly(0, candidates, flights)
 
 
-def mean_of(flight: Evaluation, flown: FloatArray) -> FloatArray:
+def mean_of(flight, flown):
     """The mean fitness of an undisturbed flight and of disturbed ones, (targets,)."""
     return np.asarray((flight.fitness + flown.sum(axis=0)) / (1 + len(flown)))
 
 
-def disturbed(store: Store, index: int) -> FloatArray:
+def disturbed(store, index):
     """Fitness of the disturbed flights of an evaluation, (flights, targets)."""
     return np.array(list(store.read_flights(TARGETS, index, index + 1).values()))
 
 
-def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store: Store) -> None:
+def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store):
     study = study_of("robustness.survey=3")
     candidates = candidates_of(study, [(-1.0, -1.0), (100.0, 100.0), None])
     flights, received = fly_batch(study, store, candidates)
@@ -74,7 +72,7 @@ def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store: Sto
         assert disturbed(store, number).size == 0
 
 
-def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_more(store: Store) -> None:
+def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_more(store):
     study = study_of("robustness.survey=8", "robustness.conditions=8", "robustness.finalists=1")
     executor = InProcess(study.make_pipeline())
     candidates = candidates_of(study, [(-1.0, 100.0)] * 6)
@@ -87,7 +85,7 @@ def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_
             survey.fly(index, [candidate], [flown[index]])
     flights = [disturbed(store, index) for index in range(6)]
 
-    def mean(index: int, stage: int) -> float:
+    def mean(index, stage):
         return float(mean_of(flown[index], flights[index][:stage])[0])
 
     for index in range(6):
@@ -101,14 +99,14 @@ def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_
     assert {len(each) for each in flights} >= {2, 8}
 
 
-def test_without_disturbed_conditions_there_is_no_survey(store: Store) -> None:
+def test_without_disturbed_conditions_there_is_no_survey(store):
     study = study_of("robustness.conditions=0")
     flights, received = fly_batch(study, store, candidates_of(study, [(-1.0, -1.0)]))
     assert received[0] is flights[0]
     assert store.list_disturbed() == set()
 
 
-def test_a_search_with_a_survey_is_resumed_without_loss(tmp_path: Path) -> None:
+def test_a_search_with_a_survey_is_resumed_without_loss(tmp_path):
     study, kept = study_of(), []
     for name, parts in (("whole", (24,)), ("parts", (11, 24))):
         with Store.create(tmp_path / f"{name}.db", {}) as store:
@@ -121,7 +119,7 @@ def test_a_search_with_a_survey_is_resumed_without_loss(tmp_path: Path) -> None:
     assert 0 < len(kept[0][1]) < 3 * 24
 
 
-def test_the_finalists_are_those_of_the_best_mean_in_the_survey(store: Store) -> None:
+def test_the_finalists_are_those_of_the_best_mean_in_the_survey(store):
     study = study_of("robustness.conditions=5", "robustness.survey=3")
     executor = InProcess(study.make_pipeline())
     run_search(study, store, executor)

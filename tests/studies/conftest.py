@@ -1,16 +1,13 @@
 """What the studies share: worker processes, and how sensitive a flight is."""
 
 import multiprocessing
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
 
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.simulator import largest_distance
-from driftform.types import Agent
-from driftform.water import Scenario
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 NUDGE = 1e-8
@@ -18,14 +15,14 @@ NUDGE = 1e-8
 
 
 @pytest.fixture(scope="session")
-def workers() -> Iterator[Executor]:
+def workers():
     """Two worker processes; what they are to call must be of an installed package."""
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
         yield pool
 
 
 @pytest.fixture(scope="session")
-def sensitivity() -> Callable[[Agent, Scenario], float]:
+def sensitivity():
     """How many times farther than it was released off its place an agent gets off its path.
 
     Both flights are as exact as the native backend can make them. Where the answer is 1e7, an error of 1e-10 in one
@@ -33,7 +30,7 @@ def sensitivity() -> Callable[[Agent, Scenario], float]:
     """
     exact = NativeSimulator(NativeOptions(tolerance=1e-10, accuracy=1e6))
 
-    def times_farther(agent: Agent, scenario: Scenario) -> float:
+    def times_farther(agent, scenario):
         x, y, z = scenario.release_position()
         aside = scenario.release.model_copy(update={"position": (x, y, z + NUDGE)})
         flights = [exact.simulate(agent, where) for where in (scenario, scenario.model_copy(update={"release": aside}))]

@@ -9,21 +9,17 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from made_films import Filming, draw_world, film_flight, place_drop
 
 import driftform as df
-from driftform.design.design import Design
 from driftform.errors import InputError
 from driftform.motion.path.approach import closest_approach
-from driftform.study import Study, load_study
-from driftform.types import FloatArray
+from driftform.study import load_study
 from driftform.water import Calibration, Factors
 from driftform_calibration.films import weigh_prior
 from driftform_calibration.fit import fit_factors
@@ -44,7 +40,7 @@ EVALUATIONS = 500
 KEPT = Path(os.environ.get("TRIALS", Path(__file__).parents[2] / ".cache" / "calibration-trials.jsonl"))
 
 
-def run_trial(number: int) -> dict[str, Any]:
+def run_trial(number):
     """Film a random agent in a random world, fit the factors, and return both."""
     rng = np.random.default_rng((SEED, number))
     pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
@@ -64,7 +60,7 @@ def run_trial(number: int) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def trials() -> list[dict[str, Any]]:
+def trials():
     KEPT.parent.mkdir(parents=True, exist_ok=True)
     done = {}
     if KEPT.is_file():
@@ -77,7 +73,7 @@ def trials() -> list[dict[str, Any]]:
     return [done[number] for number in range(TRIALS)]
 
 
-def test_intervals_hold_the_truth(trials: list[dict[str, Any]], publish: Callable[[str, Sequence[str]], None]) -> None:
+def test_intervals_hold_the_truth(trials, publish):
     lines = [
         "| factor | known in | interval holds the truth | half of the interval, median | else, mostly |",
         "|---|---|---|---|---|",
@@ -113,12 +109,12 @@ def test_intervals_hold_the_truth(trials: list[dict[str, Any]], publish: Callabl
             assert 0.85 <= share <= 0.95, f"{name}: {share:.2f} of {count}"
 
 
-def count_outside(filming: Filming, count: int) -> tuple[Counter[str], Counter[str]]:
+def count_outside(filming, count):
     """Return in how many of ``count`` trials each factor is known, and in how many it is known outside its interval."""
     pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
     falling = Factors.names[:4]
-    known: Counter[str] = Counter()
-    outside: Counter[str] = Counter()
+    known = Counter()
+    outside = Counter()
     for number in range(count):
         rng = np.random.default_rng((SEED, 2000 + number))
         morphology = pipeline.express(pipeline.grammar.random(rng))
@@ -138,21 +134,21 @@ def count_outside(filming: Filming, count: int) -> tuple[Counter[str], Counter[s
     return known, outside
 
 
-def test_intervals_hold_the_truth_where_a_camera_looks_down_or_up_by_8_degrees_at_most() -> None:
+def test_intervals_hold_the_truth_where_a_camera_looks_down_or_up_by_8_degrees_at_most():
     """In 100 trials; ``COUNT`` shortens it."""
     known, outside = count_outside(Filming(look_down=float(np.deg2rad(8.0))), min(TRIALS, 100))
     assert 0.05 <= sum(outside.values()) / sum(known.values()) <= 0.15
 
 
 @pytest.mark.parametrize("filming", [Filming(barrel=0.03), Filming(lost=0.02), Filming(lost=0.05), Filming(lost=-0.1)])
-def test_no_factor_is_known_outside_its_interval_in_more_than_a_tenth_of_the_trials_where(filming: Filming) -> None:
+def test_no_factor_is_known_outside_its_interval_in_more_than_a_tenth_of_the_trials_where(filming):
     """With a lens of 3 % barrel, and where frames are lost by chance or in a rhythm."""
     count = min(TRIALS, 100)
     _, outside = count_outside(filming, count)
     assert max(outside.values(), default=0) <= 0.1 * count
 
 
-def test_heights_of_a_sphere_alone_show_its_drag_within_the_interval() -> None:
+def test_heights_of_a_sphere_alone_show_its_drag_within_the_interval():
     """In 50 trials, with a noise of half a millimetre: in 85 %, or more, as lens and camera may be better than allowed for."""
     pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
     sphere = df.open_agent("C", scenario="tank").agent.morphology
@@ -172,14 +168,14 @@ def test_heights_of_a_sphere_alone_show_its_drag_within_the_interval() -> None:
     assert np.mean(held) >= 0.85
 
 
-def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:
+def evolve(folder, name, calibration):
     """Return the best agent for each target of the default study with a calibration, by undisturbed flights."""
     study = make_study(calibration)
     run = df.evolve(study, folder / name, progress=False)
     return [df.open_agent(f"{run.path}:{target}") for target in study.scenario.target_names]
 
 
-def make_study(calibration: Calibration) -> Study:
+def make_study(calibration):
     settings = ["robustness.conditions=0"]
     for name in Factors.names:
         if (interval := getattr(calibration, name)) is not None:
@@ -188,7 +184,7 @@ def make_study(calibration: Calibration) -> Study:
     return load_study("pipe-inspection", settings, use={"simulator": "native"}, run=run)
 
 
-def miss_in_world(designs: Sequence[Design]) -> FloatArray:
+def miss_in_world(designs):
     """Return the distance (m) by which each design misses its target in the world."""
     study = make_study(Calibration().with_factors(WORLD))
     pipeline, points = study.make_pipeline(), study.scenario.target_array()
@@ -197,7 +193,7 @@ def miss_in_world(designs: Sequence[Design]) -> FloatArray:
     return np.array([closest_approach(flight, points)[0][n] for n, flight in enumerate(flights)])
 
 
-def film_in_world(design: Design) -> Calibration:
+def film_in_world(design):
     """Return what three films and scales show of the world."""
     rng = np.random.default_rng((SEED, 1000))
     pipeline, morphology = design.under(scenario="tank").pipeline, design.agent.morphology
@@ -207,9 +203,7 @@ def film_in_world(design: Design) -> Calibration:
     return fit_factors(films, priors=weigh_prior(films[0].bench, weighed)).calibration(design.name)
 
 
-def test_agents_that_are_evolved_with_a_calibration_come_nearer(
-    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_agents_that_are_evolved_with_a_calibration_come_nearer(tmp_path, publish):
     folder = Path(os.environ.get("RUNS", tmp_path))
     plain = evolve(folder, "plain", Calibration())
     calibration = film_in_world(plain[4])

@@ -1,20 +1,18 @@
 """Where turbulent water carries bodies that are as dense as it is, or nearly: the table of docs/turbulence.md."""
 
 import multiprocessing
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from typing import Any
 
 import pytest
-from carried import COUPLE, Carried, Carrying, make_carried_agent
+from carried import COUPLE, Carrying, make_carried_agent
 from scipy.optimize import brentq
 from settled import mean_height
 
 from driftform.motion.forces.drag import still_water_wrench
 from driftform.study import load_study
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Body, Genome
+from driftform.types import Genome
 from driftform.water.velocity import FRICTION, flow_array
 
 pytestmark = pytest.mark.slow
@@ -27,7 +25,7 @@ EVOLVED = (
 """The winner for TP5 of the default search, seed 1."""
 
 
-def make_evolved() -> Body:
+def make_evolved():
     genome = Genome("lsystem", tuple(EVOLVED.split()), 0.21915339716237225)
     return load_study("pipe-inspection").make_pipeline().make_agent(genome).body
 
@@ -55,13 +53,13 @@ TERMS = ("lift", "wake", "bore", "ends", COUPLE)
 """Terms of the drag that were derived for a steady slip."""
 
 
-def write_row(name: str, diameters: tuple[int | str, ...], found: list[Carried]) -> str:
+def write_row(name, diameters, found):
     columns = ["/".join(f"{getattr(f, field):.{digits}f}" for f in found) for field, digits in FIELDS.items()]
     return f"| {' | '.join([name, '/'.join(map(str, diameters)), *columns])} |"
 
 
 @pytest.fixture(scope="module")
-def run() -> Iterator[Any]:
+def run():
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("fork")) as pool:
         yield lambda function, *rows: pool.map(function, *rows, chunksize=8)
 

@@ -6,9 +6,7 @@
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -19,7 +17,7 @@ STRATEGIES = ("tuned", "direct", "evolution", "paper", "random")
 SEEDS = 10
 
 
-def tabulate(found: Mapping[str, Any]) -> list[str]:
+def tabulate(found):
     """Rows of Markdown: promises for weighed prints, and errors of undisturbed flights, means over targets."""
     lines = [
         f"| 500 flights, {len(found['tuned']['runs'])} seeds | 90 % miss of weighed prints, mm: median (quartiles) | minus `tuned` (95 %) | p | undisturbed error, % |",
@@ -34,9 +32,7 @@ def tabulate(found: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def test_no_search_promises_less_than_tuned_bodies_do_with_as_many_flights(
-    start: Any, publish: Callable[[str, Sequence[str]], None], tmp_path: Path
-) -> None:
+def test_no_search_promises_less_than_tuned_bodies_do_with_as_many_flights(start, publish, tmp_path):
     compared = [word for name in STRATEGIES for word in ("--strategy", name)]
     budget = ("--seeds", os.environ.get("SEEDS", SEEDS), "--evaluations", 500, "--workers", 2)
     process = start("compare", "pipe-inspection", *compared, *budget, "--out", "out", "--json", cwd=tmp_path)

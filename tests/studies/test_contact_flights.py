@@ -51,7 +51,7 @@ def fly(agents, workers, count_of):
     """Fly all agents; where they are to be ``exact``, the tolerance stays as it is, whatever the error."""
     drawn = agents(count_of("AGENTS", 100))
 
-    def fly_all(use: str, divisor: float = 1.0, *more: str, exact: bool = False) -> Flown:
+    def fly_all(use, divisor=1.0, *more, exact=False):
         usual = load_study("paper", use={"simulator": use}).document["simulator"]["tolerance"]
         settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
         if exact:
@@ -68,20 +68,20 @@ def fly(agents, workers, count_of):
     return fly_all
 
 
-def changes(a: Flown, b: Flown) -> FloatArray:
+def changes(a, b):
     """Largest change of any target's fitness for each agent, percentage points; infinite where a flight failed."""
     change = np.abs(a.fitness - b.fitness).max(axis=1)
     return np.where(np.isnan(change), np.inf, change)
 
 
-def distance(a: Trajectory, b: Trajectory, until: float = np.inf) -> float:
+def distance(a, b, until=np.inf):
     """How far (m) two flights get apart before either ends."""
     until = min(until, a.t[-1], b.t[-1])
     times = np.linspace(0, until, int(100 * until) + 2)
     return largest_distance(interpolate_positions(a, times), interpolate_positions(b, times))
 
 
-def row(simulator: str, what: str, change: FloatArray) -> str:
+def row(simulator, what, change):
     sound = change[np.isfinite(change)]
     return (
         f"| {simulator} | {what} | {np.median(sound):.1g} | {np.quantile(sound, 0.95):.1g} | {sound.max():.1g} "

@@ -4,9 +4,7 @@
 """
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,11 +41,11 @@ class Lit:
     distances: np.ndarray
 
     @property
-    def near(self) -> int:
+    def near(self):
         return int(np.count_nonzero(self.distances <= NEAR))
 
 
-def random_points(scenario) -> np.ndarray:
+def random_points(scenario):
     """Points of the pipe's section y = 0, each as likely as any: no flight from the axis leaves that plane."""
     [pipe] = scenario.pipe.segments
     rng = np.random.default_rng(2026)
@@ -56,7 +54,7 @@ def random_points(scenario) -> np.ndarray:
     return np.column_stack([x, np.zeros(POINTS), z])
 
 
-def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
+def lit(folder, strategy, seed, flights):
     study = load_study(
         "paper", use={"simulator": "native", "strategy": strategy}, run={"seed": seed, "evaluations": flights}
     )
@@ -80,7 +78,7 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory) -> list[Lit]:
+def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lit")
     flights = int(os.environ.get("FLIGHTS", FLIGHTS))
     # The searches of tuned bodies need a builder that can tune.
@@ -89,13 +87,11 @@ def runs(tmp_path_factory) -> list[Lit]:
     return whole + [lit(folder, name, 2 if name == "ribs" else 1, flights // SHORTER) for name in ("ribs", *others)]
 
 
-def missed_text(points: np.ndarray, missed: np.ndarray) -> str:
+def missed_text(points, missed):
     return ", ".join(f"({x:.2f}, {z:.2f})" for x, _, z in points[missed]) or "none"
 
 
-def test_ribs_reaches_what_any_strategy_ever_reached_and_points_that_were_no_targets(
-    runs: list[Lit], publish: Callable[..., None]
-) -> None:
+def test_ribs_reaches_what_any_strategy_ever_reached_and_points_that_were_no_targets(runs, publish):
     cells = runs[0].reach.cells
     ever = np.any([run.reach.reached for run in runs], axis=0)
     everything = int(np.count_nonzero(ever))

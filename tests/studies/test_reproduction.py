@@ -7,9 +7,7 @@ import json
 import os
 import resource
 import shutil
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -27,16 +25,14 @@ WITHIN = {"native": 200.0, "exudyn": 1800.0}
 """Seconds of CPU time; the paper took 20 hours for half as many flights as ten repeats."""
 
 
-def cpu_of_children() -> float:
+def cpu_of_children():
     """CPU time of the processes that have ended, s: other work on the machine does not count."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 @pytest.mark.parametrize("simulator", ["native", "exudyn"])
-def test_the_experiment_is_repeated_and_told(
-    simulator: str, start: Any, publish: Callable[[str, Sequence[str]], None], tmp_path: Path
-) -> None:
+def test_the_experiment_is_repeated_and_told(simulator, start, publish, tmp_path):
     out = tmp_path / "out"
     before = cpu_of_children()
     repeats = REPEATS[simulator]
@@ -59,7 +55,7 @@ def test_the_experiment_is_repeated_and_told(
     assert seconds <= WITHIN[simulator]
 
 
-def test_a_sphere_that_is_tuned_passes_every_target_of_the_paper(publish: Callable[[str, Sequence[str]], None]) -> None:
+def test_a_sphere_that_is_tuned_passes_every_target_of_the_paper(publish):
     study = load_study("paper", ["builder.tuning=wall"], use={"simulator": "native"})
     pipeline = study.make_pipeline()
     spheres = tune_baselines(study, InProcess(pipeline), range(10))

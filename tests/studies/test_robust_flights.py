@@ -4,7 +4,6 @@
 """
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from driftform.agent.slices import slice_solid
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.types import Agent, Drag, End, FloatArray, Trajectory
+from driftform.types import Agent, Drag, End, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 from driftform.water.scenario import evaluation_seed
@@ -65,7 +64,7 @@ class Flown:
     trajectory: Trajectory
 
 
-def with_drag(agent: Agent) -> Agent:
+def with_drag(agent):
     """The agent with strips as wide as its slices, friction on all that is wet, and blunt ends."""
     x, volume, width = slice_solid(agent.body.outer, STRIPS).T
     strips = np.column_stack([x, 2 * np.sqrt(volume / (np.pi * width)), width, np.ones(STRIPS)])
@@ -76,7 +75,7 @@ def with_drag(agent: Agent) -> Agent:
     return replace(agent, coefficients=replace(agent.coefficients, drag=drag))
 
 
-def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
+def flights_of(study, dragged, count, workers):
     pipeline, rng = study.make_pipeline(), np.random.default_rng(SEED)
     for start in range(0, count, BLOCK):
         indices = range(start, min(start + BLOCK, count))
@@ -88,7 +87,7 @@ def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
         yield from map(Flown, indices, agents, scenarios, flights)
 
 
-def find_sides(flown: Flown, radius: float) -> FloatArray:
+def find_sides(flown, radius):
     """Return how far (m) the sides of the widest rim are beyond a bore that its middle touches, at each sample, (k,).
 
     The axis has the cosine c to the wall's tangent plane. The rim's point at the angle phi from its middle is farther out than
@@ -102,7 +101,7 @@ def find_sides(flown: Flown, radius: float) -> FloatArray:
     return np.maximum(0.0, r - c * radius) ** 2 / (2 * radius)
 
 
-def complaints(flown: Flown, pipeline) -> Iterator[str]:
+def complaints(flown, pipeline):
     """What is unsound about a flight: nothing, if it is as its end says."""
     trajectory, scenario = flown.trajectory, flown.scenario
     [pipe] = scenario.pipe.segments
@@ -132,7 +131,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
         yield f"has the fitness {fitness}"
 
 
-def true_errors(sound: list[Flown], settings, workers) -> tuple[list[tuple[float, float]], int]:
+def true_errors(sound, settings, workers):
     """How far (m) flights are from the same flown again, and state at most; and how many cannot be flown exactly.
 
     They are flown again to 0.01 mm, in gusts to 0.1 mm. What no tolerance fixes has no exact flight.

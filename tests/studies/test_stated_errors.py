@@ -14,8 +14,6 @@ from driftform.motion.forces import flight_model, release_state
 from driftform.motion.path import finish_trajectory, interpolate_positions
 from driftform.motion.solver import Accuracy, integrate, integrate_once
 from driftform.study import load_study
-from driftform.types import Agent, Trajectory
-from driftform.water import Scenario
 from driftform.water.misfit import find_misfit
 
 pytestmark = pytest.mark.slow
@@ -53,13 +51,13 @@ class Compared:
     doubt: float
 
 
-def apart(a: Trajectory, b: Trajectory) -> float:
+def apart(a, b):
     """The greatest distance of two flights before either ends, m."""
     times = np.linspace(0.0, min(a.t[-1], b.t[-1]), TIMES)
     return float(np.linalg.norm(interpolate_positions(a, times) - interpolate_positions(b, times), axis=1).max())
 
 
-def compare(agent: Agent, scenario: Scenario, use: str) -> Compared | None:
+def compare(agent, scenario, use):
     """A steady flight beside tighter ones; None where no tolerance makes it exact enough."""
     pipeline = load_study("paper", use={"simulator": use}).make_pipeline()
     flight = pipeline.simulator.simulate(agent, scenario)
@@ -69,7 +67,7 @@ def compare(agent: Agent, scenario: Scenario, use: str) -> Compared | None:
     start = release_state(model, scenario)
     tolerance = integrate(model, start, horizon, Accuracy()).tolerance
 
-    def fly(factor: float) -> Trajectory:
+    def fly(factor):
         accuracy = Accuracy(tolerance=max(TIGHTEST, tolerance / factor), max_step=MAX_STEP, step_limit=10**6)
         return finish_trajectory(integrate_once(model, start, horizon, accuracy), model, horizon, 10**6)
 

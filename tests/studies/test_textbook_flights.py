@@ -30,14 +30,14 @@ def pipelines():
 def agents(pipelines, count_of):
     """Random agents; another seed gives others."""
 
-    def drawn(seed: int):
+    def drawn(seed):
         pipeline, rng = pipelines["native"], np.random.default_rng(seed)
         return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 100))]
 
     return drawn
 
 
-def row(where: str, use: str, flights, errors) -> str:
+def row(where, use, flights, errors):
     known = sum(trajectory.error >= error for trajectory, error in zip(flights, errors, strict=True))
     beyond = sum(error > MILLIMETRE for error in errors)
     return (
@@ -147,5 +147,5 @@ def turned(scenario, yaw_deg):
     return scenario.model_copy(update={"release": release})
 
 
-def as_trajectory(t, states) -> Trajectory:
+def as_trajectory(t, states):
     return Trajectory(t, states[:, :3], states[:, 3:7], states[:, 7:], End.HORIZON)

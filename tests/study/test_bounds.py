@@ -1,14 +1,12 @@
 """Every number that a study can set has a lower and an upper bound, or a stated reason."""
 
-from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Union, get_args, get_origin
 
 import pytest
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from driftform.interfaces import Plugin
 from driftform.plugins.registry import registry
 from driftform.study import RunOptions
 from driftform.water import Scenario
@@ -16,15 +14,13 @@ from driftform.water import Scenario
 LOWER, UPPER = ("ge", "gt"), ("le", "lt")
 
 
-def read_bounds(metadata: Any) -> set[str]:
+def read_bounds(metadata):
     """Return the constraints that the metadata of a type sets."""
     inner = [m for info in metadata for m in (info.metadata if isinstance(info, FieldInfo) else [info])]
     return {name for m in inner for name in (*LOWER, *UPPER) if getattr(m, name, None) is not None}
 
 
-def find_unbounded(
-    annotation: Any, bounds: set[str], path: str, above: tuple[type[BaseModel], ...] = ()
-) -> Iterator[str]:
+def find_unbounded(annotation, bounds, path, above=()):
     """Yield the path of each number in a type whose bounds, with those around it, are not two."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
@@ -41,28 +37,28 @@ def find_unbounded(
         yield path
 
 
-def walk(model: type[BaseModel], path: str, above: tuple[type[BaseModel], ...] = ()) -> Iterator[str]:
+def walk(model, path, above=()):
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         if not extra.get("unbounded"):
             yield from find_unbounded(field.annotation, read_bounds(field.metadata), f"{path}.{name}", (*above, model))
 
 
-def list_plugins() -> list[type[Plugin[Any]]]:
+def list_plugins():
     return [row.cls for row in registry().contributions() if row.cls is not None]
 
 
 @pytest.mark.parametrize("model", [Scenario, RunOptions])
-def test_every_number_of_a_study_has_two_bounds(model: type[BaseModel]) -> None:
+def test_every_number_of_a_study_has_two_bounds(model):
     assert list(walk(model, model.__name__)) == []
 
 
 @pytest.mark.parametrize("plugin", list_plugins(), ids=lambda cls: f"{cls.__module__}:{cls.name}")
-def test_every_number_of_a_plugin_has_two_bounds(plugin: type[Plugin[Any]]) -> None:
+def test_every_number_of_a_plugin_has_two_bounds(plugin):
     assert list(walk(plugin.Options, plugin.name)) == []
 
 
-def test_the_walk_finds_a_number_without_a_bound() -> None:
+def test_the_walk_finds_a_number_without_a_bound():
     class Inner(BaseModel):
         point: tuple[float, float] = (0.0, 0.0)
 

@@ -1,7 +1,6 @@
 """Plugins bring scenarios of their own, by a package of TOML files."""
 
 import sys
-from pathlib import Path
 
 import pytest
 from program import write_metadata
@@ -21,7 +20,7 @@ def driftform_scenarios():
 NARROW = 'title = "A narrow pipe"\nbase = "pipe-inspection"\n[flow]\nspeed = 0.5\n'
 
 
-def install(site: Path, name: str, files: dict[str, str], package: str | None = None) -> None:
+def install(site, name, files, package=None):
     """A distribution, as far as ``importlib.metadata`` can tell, with a package of scenarios."""
     folder = site / f"driftform_{name}"
     folder.mkdir(parents=True)
@@ -32,7 +31,7 @@ def install(site: Path, name: str, files: dict[str, str], package: str | None = 
 
 
 @pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def site(tmp_path, monkeypatch):
     folder = tmp_path / "site"
     folder.mkdir()
     monkeypatch.syspath_prepend(str(folder))
@@ -41,7 +40,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site: Path) -> None:
+def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site):
     install(site, "one", {"narrow.toml": NARROW, "notes.txt": "no scenario"})
     assert read_scenarios()["narrow"] == NARROW
     assert "notes" not in read_scenarios()
@@ -49,23 +48,23 @@ def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site: Path) -> 
     assert study.scenario.flow.speed == 0.5 and len(study.scenario.targets) == 10
 
 
-def test_without_the_plugin_the_name_is_unknown() -> None:
+def test_without_the_plugin_the_name_is_unknown():
     with pytest.raises(InputError, match="neither a file nor a built-in scenario"):
         load_study("narrow")
 
 
-def test_errors_in_it_name_it_and_the_line(site: Path) -> None:
+def test_errors_in_it_name_it_and_the_line(site):
     install(site, "one", {"narrow.toml": NARROW.replace("speed", "sped")})
     with pytest.raises(InputError, match=r"narrow \(built in\):4: .*did you mean 'speed'"):
         load_study("narrow")
 
 
-def test_a_built_in_scenario_cannot_be_replaced(site: Path) -> None:
+def test_a_built_in_scenario_cannot_be_replaced(site):
     install(site, "one", {"pipe-inspection.toml": NARROW})
     assert "a water main" in read_scenarios()["pipe-inspection"]
 
 
-def test_a_plugin_that_cannot_be_imported_hides_no_other(site: Path) -> None:
+def test_a_plugin_that_cannot_be_imported_hides_no_other(site):
     install(site, "one", {"narrow.toml": NARROW})
     install(site, "two", {}, package="driftform_missing.scenarios")
     assert {"narrow", "paper", "pipe-inspection"} <= set(read_scenarios())

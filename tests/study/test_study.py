@@ -2,9 +2,6 @@
 
 import tomllib
 import tracemalloc
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,12 +16,11 @@ from driftform.study.sources import read_scenarios
 from driftform.util.options import MAX_SEED
 
 BASE = 'base = "pipe-inspection"\n'
-Write = Callable[..., str]
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Write:
-    def written(text: str, name: str = "study.toml") -> str:
+def write(tmp_path):
+    def written(text, name="study.toml"):
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
@@ -51,39 +47,35 @@ def write(tmp_path: Path) -> Write:
         ("", ["robustness={score='worst'}"], "robustness.score", "worst"),
     ],
 )
-def test_a_value_is_that_of_the_last_source_that_names_it(
-    write: Write, text: str, settings: list[str], path: str, value: Any
-) -> None:
-    found: Any = load_study(write(BASE + text), settings).document
+def test_a_value_is_that_of_the_last_source_that_names_it(write, text, settings, path, value):
+    found = load_study(write(BASE + text), settings).document
     for name in path.split("."):
         found = found[int(name) if name.isdigit() else name]
     assert found == value
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
-def test_a_file_may_come_from_any_editor(tmp_path: Path, encoding: str) -> None:
+def test_a_file_may_come_from_any_editor(tmp_path, encoding):
     text = 'base = "pipe-inspection"\r\ntitle = "Größe"\r\n\r\n[flow]\r\nspeed = 0.8\r\n'
     (tmp_path / "study.toml").write_bytes(text.encode(encoding))
     study = load_study(str(tmp_path / "study.toml"))
     assert (study.document["title"], study.document["flow"]["speed"]) == ("Größe", 0.8)
 
 
-def test_a_base_may_have_a_base_beside_its_file(write: Write) -> None:
+def test_a_base_may_have_a_base_beside_its_file(write):
     write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ndensity = 1000\n", "deep/river.toml")
     write('base = "river.toml"\n[flow]\nspeed = 0.25\n', "deep/creek.toml")
     study = load_study(write('base = "deep/creek.toml"\n'))
     assert (study.scenario.flow.speed, study.scenario.fluid.density) == (0.25, 1000.0)
 
 
-def test_a_file_beside_the_study_comes_before_a_built_in_scenario_of_its_name(write: Write) -> None:
+def test_a_file_beside_the_study_comes_before_a_built_in_scenario_of_its_name(write):
     write(BASE.replace("pipe-inspection", "own.toml") + "[flow]\nspeed = 0.25\n", "pipe-inspection")
     write(read_scenarios()["pipe-inspection"], "own.toml")
     assert load_study(write(BASE)).scenario.flow.speed == 0.25
 
 
-def test_a_file_of_velocities_lies_beside_the_study_that_names_it(
-    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_of_velocities_lies_beside_the_study_that_names_it(write, tmp_path, monkeypatch):
     across = np.linspace(-1.2, 1.2, 9)
     rows = [f"{x},{y},{z},1,0,0" for x in np.arange(-0.3, 9.6, 0.3) for y in across for z in across]
     write("\n".join(["x,y,z,u,v,w", *rows]), "sub/water.csv")
@@ -94,7 +86,7 @@ def test_a_file_of_velocities_lies_beside_the_study_that_names_it(
         assert load_study(name).document["flow"]["file"] == "sub/water.csv"
 
 
-def test_a_wrong_pipe_is_named_also_where_targets_are_places_in_it(write: Write) -> None:
+def test_a_wrong_pipe_is_named_also_where_targets_are_places_in_it(write):
     parts = '[[pipe.parts]]\nname = "entry"\nangle_deg = 45\nlength = 3.0\n'
     place = '[targets]\nTP1 = {part = "entry", at = 1.0, clock = 12, off_wall = 0.05}\n'
     name = write(f"{BASE}[pipe]\nsegments = []\nradius = 0.15\n{parts}{place}")
@@ -104,7 +96,7 @@ def test_a_wrong_pipe_is_named_also_where_targets_are_places_in_it(write: Write)
     assert line.startswith(f"{name}:7: unknown key 'angle_deg' in [[pipe.parts]] of kind 'straight'")
 
 
-def test_targets_set_on_the_command_line_are_added_or_moved() -> None:
+def test_targets_set_on_the_command_line_are_added_or_moved():
     moved = load_study(settings=["targets.TP2=[2, 0, 0]", "targets.leak=[4, 0, -0.9]"]).scenario
     assert moved.target_names == (*(f"TP{n}" for n in range(1, 11)), "leak")
     assert moved.targets["TP2"] == (2.0, 0.0, 0.0)
@@ -112,13 +104,13 @@ def test_targets_set_on_the_command_line_are_added_or_moved() -> None:
     assert load_study(settings=["targets={leak=[4, 0, 0]}"]).scenario.target_names == ("leak",)
 
 
-def test_targets_are_kept_in_the_order_of_the_scenario() -> None:
+def test_targets_are_kept_in_the_order_of_the_scenario():
     study = load_study(targets=["TP7", "TP1"])
     assert study.scenario.target_names == ("TP1", "TP7")
     assert study.evaluations == 100
 
 
-def test_another_plugin_drops_the_options_of_the_one_before(write: Write, fakes: None) -> None:
+def test_another_plugin_drops_the_options_of_the_one_before(write, fakes):
     base = write(BASE + "[simulator]\ntolerance = 1e-9\nmax_step = 0.01\n", "base.toml")
     overlay = write('base = "base.toml"\n[simulator]\nuse = "fake"\npause = 0.5\n')
     assert load_study(base).document["simulator"]["tolerance"] == 1e-9
@@ -130,7 +122,7 @@ def test_another_plugin_drops_the_options_of_the_one_before(write: Write, fakes:
     assert load_study(base, ["simulator.use=fake"]).document["simulator"]["pause"] == 0.0
 
 
-def test_the_same_plugin_named_again_keeps_its_options(write: Write) -> None:
+def test_the_same_plugin_named_again_keeps_its_options(write):
     write(BASE + "[simulator]\ntolerance = 1e-9\n", "base.toml")
     overlay = write('base = "base.toml"\n[simulator]\nuse = "native"\nmax_step = 0.01\n')
     for study in (load_study(overlay), load_study(overlay, use={"simulator": "native"})):
@@ -139,11 +131,11 @@ def test_the_same_plugin_named_again_keeps_its_options(write: Write) -> None:
 
 
 @pytest.mark.parametrize(("text", "value"), [(".6", 0.6), ("+.05", 0.05), ("2.", 2.0)])
-def test_a_number_needs_no_digits_on_both_sides_of_its_point(text: str, value: float) -> None:
+def test_a_number_needs_no_digits_on_both_sides_of_its_point(text, value):
     assert load_study(settings=[f"flow.speed={text}"]).scenario.flow.speed == value
 
 
-def test_without_a_seed_one_is_drawn_and_kept() -> None:
+def test_without_a_seed_one_is_drawn_and_kept():
     seeds = {load_study().seed for _ in range(5)}
     assert len(seeds) == 5
     study = load_study()
@@ -163,9 +155,7 @@ def test_without_a_seed_one_is_drawn_and_kept() -> None:
     seed=st.integers(0, MAX_SEED),
 )
 @settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_resolved_study_is_the_same_study(
-    write: Write, speed: float, density: float, targets: dict[str, Any], velocity: Any, seed: int
-) -> None:
+def test_a_resolved_study_is_the_same_study(write, speed, density, targets, velocity, seed):
     document = {
         "base": "pipe-inspection",
         "flow": {"speed": speed},
@@ -184,7 +174,7 @@ def test_a_resolved_study_is_the_same_study(
     assert held.document == study.document
 
 
-def test_a_run_of_0_2_0_opens_with_the_tables_of_seams_that_it_had() -> None:
+def test_a_run_of_0_2_0_opens_with_the_tables_of_seams_that_it_had():
     study = load_study("paper", run={"seed": 1})
     former = {**study.document, "inspector": {}, "reporter": {}}
     assert load_study(Document("run.db", former)).document == study.document
@@ -192,7 +182,7 @@ def test_a_run_of_0_2_0_opens_with_the_tables_of_seams_that_it_had() -> None:
         load_study(Document("run.db", {**former, "reporter": {"mine": {}}}))
 
 
-def test_an_environment_flies_without_a_strategy() -> None:
+def test_an_environment_flies_without_a_strategy():
     study = load_study(run={"seed": 1})
     environment = study.environment()
     assert "strategy" not in environment
@@ -202,13 +192,13 @@ def test_an_environment_flies_without_a_strategy() -> None:
     assert held.run.evaluations is None
 
 
-def test_a_strategy_begins_at_the_same_random_numbers_each_time() -> None:
+def test_a_strategy_begins_at_the_same_random_numbers_each_time():
     study = load_study(run={"seed": 1})
     assert study.make_strategy().ask(10) == study.make_strategy().ask(10)
     assert study.make_strategy().ask(10) != load_study(run={"seed": 2}).make_strategy().ask(10)
 
 
-def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects() -> None:
+def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects():
     paper, main = load_study("paper").scenario, load_study().scenario
     anyhow = main.release.model_copy(update={"port": 0.0})
     assert (main.pipe, main.targets, anyhow) == (paper.pipe, paper.targets, paper.release)
@@ -224,17 +214,17 @@ def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects
 
 
 @pytest.mark.parametrize("item", ["1", "-1", "first"])
-def test_an_item_that_a_list_does_not_have_is_refused(item: str) -> None:
+def test_an_item_that_a_list_does_not_have_is_refused(item):
     with pytest.raises(InputError, match=rf"pipe.segments has no item '{item}'; its items are 0 to 0"):
         load_study(settings=[f"pipe.segments.{item}.radius=0.8"])
 
 
-def test_a_wrong_item_is_named_with_the_setting() -> None:
+def test_a_wrong_item_is_named_with_the_setting():
     with pytest.raises(InputError, match=r"--set pipe.segments.0.radius=-1: pipe.segments\[0\].radius = -1"):
         load_study(settings=["pipe.segments.0.radius=-1"])
 
 
-def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
+def test_another_kind_of_flow_drops_what_only_the_former_has():
     settings = ["flow.kind=uniform", "flow.speed=0.7", "flow.acceleration=0.1"]
     resolved = Document("agent", load_study(settings=settings).document)
     flow = load_study(resolved, ["flow.kind=turbulent"]).document["flow"]
@@ -245,20 +235,20 @@ def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
     assert back.document["flow"] == {"kind": "uniform", "speed": 0.7, "acceleration": 0.0, "added": [0.0, 0.0, 0.0]}
 
 
-def test_another_kind_keeps_a_misspelt_key_for_its_error(write: Write) -> None:
+def test_another_kind_keeps_a_misspelt_key_for_its_error(write):
     with pytest.raises(InputError, match="unknown key 'sped'"):
         load_study(write(BASE + "[flow]\nsped = 1\n"), ["flow.kind=turbulent"])
 
 
 @pytest.mark.parametrize("seam", ["hydrodynamics", "simulator", "strategy"])
-def test_every_other_plugin_without_options_that_it_needs_can_be_chosen_for_a_resolved_study(seam: str) -> None:
+def test_every_other_plugin_without_options_that_it_needs_can_be_chosen_for_a_resolved_study(seam):
     resolved = Document("agent", load_study("pipe-inspection").document)
     for row in registry().seam(seam):
         if row.cls is not None and not any(field.is_required() for field in row.cls.Options.model_fields.values()):
             assert load_study(resolved, use={seam: row.name}).document[seam]["use"] == row.name
 
 
-def test_a_key_of_twenty_thousand_names_is_refused_at_once(write: Write) -> None:
+def test_a_key_of_twenty_thousand_names_is_refused_at_once(write):
     key = ".".join(["a", '"b"'] * 10_000)
     for load in (lambda: load_study(write(f"{key} = 1\n")), lambda: load_study(settings=[f"{key}=1"])):
         tracemalloc.start()

@@ -29,20 +29,20 @@ from driftform.study.toml_positions import MAX_LINES, find_key_lines, find_line
         ("a = 1\n[b]", ("b",), 2),
     ],
 )
-def test_a_key_has_the_line_on_which_it_is_written(text: str, path: tuple[str | int, ...], line: int) -> None:
+def test_a_key_has_the_line_on_which_it_is_written(text, path, line):
     tomllib.loads(text)
     assert find_key_lines(text)[path] == line
 
 
-def test_a_key_of_an_inline_table_has_the_line_of_its_table() -> None:
+def test_a_key_of_an_inline_table_has_the_line_of_its_table():
     lines = find_key_lines("x = 1\nrelease = { velocity = 'rest' }")
     assert find_line(("release", "velocity"), lines) == 2
 
 
-def test_a_missing_key_has_no_line() -> None:
+def test_a_missing_key_has_no_line():
     assert find_line(("gone",), find_key_lines("a = 1")) is None
     assert find_line((), find_key_lines("a = 1")) is None
 
 
-def test_a_file_that_is_too_long_has_no_lines() -> None:
+def test_a_file_that_is_too_long_has_no_lines():
     assert find_key_lines("a = 1\n" + "#\n" * MAX_LINES) == {}

@@ -1,8 +1,5 @@
 """A contract that fails says what it asks, and what came instead."""
 
-from typing import Any
-
-import numpy as np
 import pytest
 
 from driftform import testing
@@ -12,16 +9,16 @@ from driftform.util.options import Table
 
 
 class Listing(LetterGrammar):
-    def random(self, rng: np.random.Generator) -> Any:
+    def random(self, rng):
         return ["a"] * 12
 
 
 class Mine(testing.GrammarContract):
-    def plugin(self) -> Listing:
+    def plugin(self):
         return Listing(Table())
 
 
-def test_a_contract_that_fails_says_what_came_and_what_it_asks() -> None:
+def test_a_contract_that_fails_says_what_came_and_what_it_asks():
     with pytest.raises(AssertionError) as caught:
         Mine().test_a_random_genome_can_be_expressed(0)
     assert str(caught.value).startswith(
@@ -31,7 +28,7 @@ def test_a_contract_that_fails_says_what_came_and_what_it_asks() -> None:
     assert caught.value.__notes__ == [f"The contract asks: {asked}"]
 
 
-def test_every_contract_states_what_each_of_its_tests_asks() -> None:
+def test_every_contract_states_what_each_of_its_tests_asks():
     contracts = [getattr(testing, name) for name in testing.__all__]
     assert all(issubclass(contract, Contract) for contract in contracts)
     tests = [test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from driftform.interfaces import SearchSpace
 from driftform.testing import StrategyContract
 from driftform.types import Candidate
 from driftform_strategies.random import RandomOptions, RandomStrategy
@@ -12,7 +11,7 @@ from driftform_strategies.random import RandomOptions, RandomStrategy
 class Generations(RandomStrategy):
     """Random search whose candidates count their generations: sound, and the base of the faults."""
 
-    def __init__(self, space: SearchSpace) -> None:
+    def __init__(self, space):
         super().__init__(RandomOptions(batch=20), space)
         self.generation = 0
 
@@ -49,7 +48,7 @@ class EndingWithAFlourish(Generations):
 class Greedy(Generations):
     """Breeds the best genome so far, and says truly which fitness matters."""
 
-    def __init__(self, space: SearchSpace) -> None:
+    def __init__(self, space):
         super().__init__(space)
         self.best = 0.0
         self.parent = space.grammar.random(space.rng)
@@ -82,7 +81,7 @@ class OneForAll(Greedy):
 
 
 class Contract(StrategyContract):
-    def __init__(self, strategy: type[Generations]) -> None:
+    def __init__(self, strategy):
         self.strategy = strategy
 
     def plugin(self, space):

@@ -4,7 +4,6 @@ import errno
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from filelock import FileLock
@@ -15,9 +14,7 @@ from driftform.util import cores, kernel_cache
 from driftform.util.files import name_owner
 
 
-def test_the_wait_for_another_process_that_compiles_ends_with_a_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_wait_for_another_process_that_compiles_ends_with_a_line(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(kernel_cache, "WAIT_S", 0.1)
     with FileLock(tmp_path / "k.lock"), kernel_cache.lock(tmp_path / "k.lock"):
         assert (
@@ -28,12 +25,10 @@ def test_the_wait_for_another_process_that_compiles_ends_with_a_line(
 
 @pytest.mark.skipif(sys.platform == "win32", reason="other locks")
 @pytest.mark.parametrize("code", [errno.ENOLCK, errno.EOPNOTSUPP, errno.EIO])
-def test_where_a_file_system_has_no_locks_a_file_names_who_holds_a_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
-) -> None:
+def test_where_a_file_system_has_no_locks_a_file_names_who_holds_a_run(tmp_path, monkeypatch, code):
     import fcntl
 
-    def refuse(file: object, operation: int) -> None:
+    def refuse(file, operation):
         raise OSError(code, "no locks here")
 
     monkeypatch.setattr(fcntl, "flock", refuse)
@@ -54,9 +49,7 @@ def test_where_a_file_system_has_no_locks_a_file_names_who_holds_a_run(
     ("affinity", "quotas", "expected"),
     [(6, {}, 6), (1, {}, 1), (6, {"": "250000 100000"}, 3), (6, {"job/step": "max 100000", "job": "20000 100000"}, 1)],
 )
-def test_workers_are_as_many_as_affinity_and_control_groups_allow(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, affinity: int, quotas: dict[str, str], expected: int
-) -> None:
+def test_workers_are_as_many_as_affinity_and_control_groups_allow(tmp_path, monkeypatch, affinity, quotas, expected):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(affinity)))
     (tmp_path / "job" / "step").mkdir(parents=True)
     (tmp_path / "membership").write_text("0::/job/step\n")

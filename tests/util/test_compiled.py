@@ -181,21 +181,21 @@ def test_a_kernel_that_counts_no_references_and_gets_hold_of_an_array_is_refused
     from driftform.util.compiled import allocating, compiled
 
     @allocating
-    def make(size: int) -> np.ndarray:
+    def make(size):
         return np.zeros(size)
 
     @compiled
-    def returns(values: np.ndarray) -> np.ndarray:
+    def returns(values):
         return values
 
     @compiled
-    def receives(values: np.ndarray) -> float:
+    def receives(values):
         return make(len(values))[0]
 
     part = {"returns": returns, "receives": receives}[fails]
 
     @allocating
-    def enter(values: np.ndarray) -> int:
+    def enter(values):
         part(values)
         return len(values)
 

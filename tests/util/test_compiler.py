@@ -13,7 +13,7 @@ LAST, CORNER = -1, (1, -1)
 
 
 @compiled
-def read(values: np.ndarray, table: np.ndarray, i: int) -> tuple[float, ...]:
+def read(values, table, i):
     return (
         values[0], values[-2], values[LAST], values[i], values[-i],
         table[1, 2], table[CORNER], table[i, 0], table[-1, -i], table[i][1], table[0, LAST],
@@ -21,7 +21,7 @@ def read(values: np.ndarray, table: np.ndarray, i: int) -> tuple[float, ...]:
 
 
 @compiled
-def write(values: np.ndarray, table: np.ndarray, i: int) -> int:
+def write(values, table, i):
     values[0], values[-2], values[LAST], values[i] = 1, 2.5, i, values[0] - values[i]
     table[CORNER] = 3.0
     table[i, 0] = table[-1, -i] = 4.0
@@ -42,7 +42,7 @@ def call_part(kernel):
     """Return an entry that calls a kernel as its part."""
 
     @compiled
-    def enter(values: np.ndarray, table: np.ndarray, i: int):
+    def enter(values, table, i):
         return kernel(values, table, i)
 
     return enter
@@ -65,7 +65,7 @@ def test_elements_of_arrays_are_those_of_numpy(arrays, layout, is_part):
 
 
 @compiled
-def branch(x: float, n: int) -> float:
+def branch(x, n):
     total = 0.0
     for k in range(n):
         if x > k:
@@ -87,7 +87,7 @@ def test_variables_of_branches_and_loops_are_those_of_python():
 
 
 @allocating
-def double(values: np.ndarray) -> np.ndarray:
+def double(values):
     result = np.empty_like(values)
     for k in range(values.shape[0]):
         result[k] = 2.0 * max(values[k], 0.0)
@@ -123,7 +123,7 @@ def test_numba_makes_its_own_libraries_after_a_kernel_is_compiled(arrays):
     assert codegen._library_class is usual
 
     @compiled
-    def fail(a: str) -> float:
+    def fail(a):
         return a.nothing
 
     with pytest.raises(Exception, match="nothing"):
@@ -132,7 +132,7 @@ def test_numba_makes_its_own_libraries_after_a_kernel_is_compiled(arrays):
 
 
 @compiled
-def visit(start: int, stop: int, step: int, out: np.ndarray) -> int:
+def visit(start, stop, step, out):
     count = 0
     for k in range(stop):
         out[count] = k
@@ -155,14 +155,14 @@ def test_ranges_are_those_of_python(limits):
 
 
 @compiled
-def root(x: float) -> float:
+def root(x):
     if x < 0.0:
         raise ValueError("negative")
     return x**0.5
 
 
 @compiled
-def sum_of_roots(values: np.ndarray) -> float:
+def sum_of_roots(values):
     total = 0.0
     for value in values:
         total += max(root(value), 1.0)
@@ -170,7 +170,7 @@ def sum_of_roots(values: np.ndarray) -> float:
 
 
 @compiled
-def twice(values: np.ndarray) -> float:
+def twice(values):
     return 2.0 * sum_of_roots(values)
 
 
@@ -182,7 +182,7 @@ def test_an_exception_passes_through_the_kernels_that_call_the_one_that_raises_i
 
 
 @allocating
-def spend(turns: int) -> np.ndarray:
+def spend(turns):
     values = np.zeros(3)
     for turn in range(turns):
         values[turn % 3] += 1.0 / (1.0 + values[(turn + 1) % 3])
@@ -190,7 +190,7 @@ def spend(turns: int) -> np.ndarray:
 
 
 @allocating
-def spend_twice(turns: int) -> tuple[np.ndarray, float, np.ndarray]:
+def spend_twice(turns):
     first = spend(turns)
     return first, 0.5, spend(turns)
 
@@ -217,13 +217,13 @@ def test_a_signal_while_a_kernel_runs_raises_what_its_handler_raises_once_the_ke
 
 
 @borrowing
-def halves(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def halves(values):
     n = values.shape[0] // 4
     return borrow(values, 0, (n, 2)), borrow(values, 2 * n, (n, 2, 1))
 
 
 @allocating
-def swap(values: np.ndarray) -> np.ndarray:
+def swap(values):
     a, b = halves(values)
     for i in range(a.shape[0]):
         for j in range(2):

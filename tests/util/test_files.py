@@ -8,7 +8,7 @@ from driftform.errors import InputError
 from driftform.util.files import write_folder
 
 
-def test_a_new_folder_replaces_the_former_one(tmp_path: Path) -> None:
+def test_a_new_folder_replaces_the_former_one(tmp_path):
     former = tmp_path / "model" / "meshes"
     former.mkdir(parents=True)
     (former / "old.obj").write_text("old")
@@ -18,7 +18,7 @@ def test_a_new_folder_replaces_the_former_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("interruption", [RuntimeError, KeyboardInterrupt])
-def test_an_interruption_leaves_the_former_folder_as_it_was(tmp_path: Path, interruption: type[BaseException]) -> None:
+def test_an_interruption_leaves_the_former_folder_as_it_was(tmp_path, interruption):
     (tmp_path / "model").mkdir()
     (tmp_path / "model" / "old.xml").write_text("old")
     with pytest.raises(interruption), write_folder(tmp_path / "model") as part:
@@ -28,7 +28,7 @@ def test_an_interruption_leaves_the_former_folder_as_it_was(tmp_path: Path, inte
     assert (tmp_path / "model" / "old.xml").read_text() == "old"
 
 
-def test_a_file_in_its_place_is_refused_and_stays(tmp_path: Path) -> None:
+def test_a_file_in_its_place_is_refused_and_stays(tmp_path):
     (tmp_path / "model").write_text("in the way")
     with pytest.raises(InputError, match="it is a file"), write_folder(tmp_path / "model"):
         pass
@@ -36,14 +36,12 @@ def test_a_file_in_its_place_is_refused_and_stays(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "model"]
 
 
-def test_the_former_folder_is_restored_if_the_new_one_cannot_replace_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_former_folder_is_restored_if_the_new_one_cannot_replace_it(tmp_path, monkeypatch):
     (tmp_path / "model").mkdir()
     (tmp_path / "model" / "old.xml").write_text("old")
     rename = Path.rename
 
-    def fails(self: Path, target: Path) -> Path:
+    def fails(self, target):
         if self.name.endswith(".part"):
             raise OSError("no space left")
         return rename(self, target)

@@ -9,10 +9,10 @@ from driftform.util.latest import keep_latest
 class Value:
     """Values that are all equal, so that only identity tells them apart."""
 
-    def __init__(self, number: float) -> None:
+    def __init__(self, number):
         self.number = number
 
-    def __eq__(self, other: object) -> bool:
+    def __eq__(self, other):
         return True
 
     __hash__ = None  # type: ignore[assignment]

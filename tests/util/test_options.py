@@ -7,7 +7,7 @@ from pydantic import Field
 from driftform.util.options import Table, describe, option
 
 
-def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is_told() -> None:
+def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is_told():
     class Needy(Table):
         genome: str = option(..., "the genome to try")
         box: tuple[Annotated[float, Field(gt=0)], float] = option((1.0, 2.0), "width and height", "m")
@@ -22,7 +22,7 @@ def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is
     ]
 
 
-def test_a_table_of_options_within_is_told_with_dotted_names() -> None:
+def test_a_table_of_options_within_is_told_with_dotted_names():
     class Inner(Table):
         joint: str = option("auto", "kind of joint")
 

@@ -1,7 +1,6 @@
 """What strategies find is kept by their run: the same after an interruption, and drawn in the report."""
 
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from driftform.errors import InputError
 from driftform.runs.found import FOUND, read_found
 from driftform.runs.run import StoredRun
-from driftform.runs.store import Record
 from driftform.search.advance import Observer, search_run
 from driftform.search.local import InProcess
 from driftform.search.report.contents import collect_contents
@@ -22,15 +20,13 @@ ARCHIVE = [
 
 
 class Stop(Observer):
-    def record(self, record: Record) -> None:
+    def record(self, record):
         if record.index == 37:
             raise KeyboardInterrupt
 
 
 @pytest.mark.parametrize(("settings", "name", "axes"), [(ARCHIVE, "archive", ["mass", "length"])])
-def test_a_run_that_was_stopped_resumes_to_the_same_results_and_draws_them(
-    tmp_path: Path, settings: list[str], name: str, axes: list[str]
-) -> None:
+def test_a_run_that_was_stopped_resumes_to_the_same_results_and_draws_them(tmp_path, settings, name, axes):
     study = load_study(
         "paper",
         settings,

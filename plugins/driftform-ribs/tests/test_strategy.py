@@ -21,19 +21,19 @@ SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0,
 CELLS = PipeGrid.of_scenario(SCENARIO)
 
 
-def flight(position) -> Trajectory:
+def flight(position):
     position = np.array(position, dtype=float)
     k = len(position)
     turn = np.tile([1.0, 0, 0, 0], (k, 1))
     return Trajectory(np.arange(float(k)), position, turn, np.zeros((k, 6)), End.OUTLET)
 
 
-def rising(rise: float) -> Trajectory:
+def rising(rise):
     x = np.linspace(0.0, 9.0, 31)
     return flight(np.column_stack([x, 0 * x, rise * x / 9]))
 
 
-def strategy(seed: int = 0, **options) -> RibsStrategy:
+def strategy(seed=0, **options):
     space = SearchSpace(GRAMMAR, ("T",), np.random.default_rng(seed), SCENARIO)
     return RibsStrategy(RibsOptions(archive="grid", **options), space)
 
