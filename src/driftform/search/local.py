@@ -53,7 +53,7 @@ class LocalProcesses(Executor):
         return self._start(partial(use_pipeline, function, *args))
 
     def _start(self, function: Callable[[], T]) -> "Future[T]":
-        return min(self._workers, key=lambda worker: worker.tasks or 0).start(function)
+        return min(self._workers, key=Worker.count_tasks).start(function)
 
     def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
         """Call functions in the worker processes, at the same time, and yield what they return, in their order.

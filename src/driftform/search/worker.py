@@ -64,10 +64,9 @@ class Worker:
         self._process: BaseProcess | None = None
         self._tasks: deque[Future[Any]] = deque()
 
-    @property
-    def tasks(self) -> int | None:
-        """Number of functions that are not answered yet, ``None`` without a process."""
-        return None if self._process is None else len(self._tasks)
+    def count_tasks(self) -> int:
+        """Return the number of functions that are not answered yet."""
+        return len(self._tasks)
 
     def start(self, function: Callable[[], T]) -> "Future[T]":
         """Call a function in the process, which is started if there is none."""
@@ -169,9 +168,10 @@ class Worker:
         with self._lock:
             # No task can be added any more: the next one starts another process.
             self._process = None
-        for number, future in enumerate(tasks):
+        while tasks:
             # The second task was only waiting in the pipe.
-            future.set_exception(WorkerDiedError(Cause.NONE if number else cause, _describe_exit(code)))
+            tasks.popleft().set_exception(WorkerDiedError(cause, _describe_exit(code)))
+            cause = Cause.NONE
 
 
 def _kill(process: BaseProcess) -> None:
@@ -193,12 +193,9 @@ def _measure_processor(process: BaseProcess) -> float:
 def _describe_exit(code: int | None) -> str:
     if code is None:
         return "it does not end"
-    if code >= 0:
-        return f"exit code {code}"
-    try:
-        return signal.Signals(-code).name
-    except ValueError:
-        return f"signal {-code}"
+    # Not every signal has a name.
+    names = {-number.value: number.name for number in signal.Signals}
+    return f"exit code {code}" if code >= 0 else names.get(code, f"signal {-code}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from pydantic import Tag, ValidationError
 
 from driftform.errors import did_you_mean
 from driftform.study.sources import NOTHING, Source, find_value, join_path, locate_key
-from driftform.study.toml_positions import Path as KeyPath
+from driftform.study.toml_positions import KeyPath
 from driftform.util.options import Table
 
 

@@ -15,8 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS
 from driftform.plugins.discovery import find_modules
-from driftform.study.toml_positions import Path as KeyPath
-from driftform.study.toml_positions import check_keys, describe_fault, find_key_lines, find_line
+from driftform.study.toml_positions import KeyPath, check_keys, describe_fault, find_key_lines, find_line
 from driftform.util.files import is_directory, is_file, read_text
 from driftform.water.flow import FLOWS
 

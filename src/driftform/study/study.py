@@ -317,7 +317,6 @@ def load_study(
     if is_file:
         _check_formats(study.run.formats, layers)
         _check_grid(study.scenario, layers)
-        _check_names(study.scenario, layers)
     return replace(study, name=label, given=given)
 
 
@@ -381,7 +380,7 @@ def _check_document(
                 errors.extend(error.args)
     if errors or scenario is None or run is None:
         raise InputError(*errors)
-    _check_folders(scenario, layers)
+    _check_folders(scenario, layers, is_new="strategy" in required)
     scenario = _keep_targets(scenario, wanted)
     run = _fill_budget(run, scenario, resolved)
     head = {key: document[key] for key in ("title", "description") if key in document}
@@ -449,8 +448,11 @@ def _split_selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[
     return str(options.pop("use")), options
 
 
-def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
-    """Check that names of targets are short enough for folders, and differ on all file systems."""
+def _check_folders(scenario: Scenario, layers: Sequence[Source], is_new: bool) -> None:
+    """Check that names of targets are short enough for folders, and differ on all file systems.
+
+    New ones are no options of a command, and no devices of Windows, in place of folders.
+    """
     seen: dict[str, str] = {}
     for name in scenario.targets:
         where = locate_key(layers, ("targets", name))
@@ -464,13 +466,7 @@ def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
                 "on some file systems their folders would be the same"
             )
         seen[name.casefold()] = name
-
-
-def _check_names(scenario: Scenario, layers: Sequence[Source]) -> None:
-    """Refuse names of new targets that are options of a command, or devices of Windows, in place of folders."""
-    for name in scenario.targets:
-        if name.startswith("-") or name.casefold() in DEVICES:
-            where = locate_key(layers, ("targets", name))
+        if is_new and (name.startswith("-") or name.casefold() in DEVICES):
             raise InputError(f"{where}: target name '{name}' is no name of a folder everywhere; choose another")
 
 

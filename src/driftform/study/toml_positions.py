@@ -4,9 +4,10 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeAlias
 
-Path: TypeAlias = tuple[str | int, ...]
+KeyPath: TypeAlias = tuple[str | int, ...]
 """A key as its names from the top level; a number is an index into a list, from 0."""
 
 MAX_KEY_NAMES = 20
@@ -32,22 +33,6 @@ def check_keys(text: str) -> None:
         raise ValueError(f"a key of more than {MAX_KEY_NAMES} names at line {line}")
 
 
-_HINTS = (
-    (r"""=\s*[+-]?\d+,\d+\s*(#.*)?$""", "a number has a decimal point: write {0}"),
-    (
-        r"""=.*"[^"']*\\""",
-        "a backslash in double quotes is a code: write / in its place, or single quotes around the text",
-    ),
-    (r"""=.*[“”„‘’«»]""", "the quotes must be straight ones, \" or '"),
-    (r"""=\s*(True|False|TRUE|FALSE)\b""", "true and false have small letters"),
-    (r"""^[^"']*=\s*("[^"]*|'[^']*|[^"'\[{]+["'])$""", "a quote is missing: a text has one at each end"),
-    (r"""=\s*[^\W\d][^"'=]*$""", "a text is in quotes: write {0}"),
-    (r"""^\s*\w+\s*:""", "a key and its value have = between them"),
-    (r"""=\s*(#.*)?$""", "the key has no value"),
-)
-"""What is often wrong with a line of TOML, by an expression, and what to do."""
-
-
 def describe_fault(label: str, text: str, error: ValueError) -> str:
     """Return in one line why a text is not TOML: its place, what its parser says, and what to do if that can be seen."""
     said = str(error)
@@ -55,22 +40,23 @@ def describe_fault(label: str, text: str, error: ValueError) -> str:
     rows = text.rstrip().split("\n")
     number = int(found.group(1) or len(rows)) if found else 0
     line = rows[min(number, len(rows)) - 1][:200] if found else ""
-    for pattern, hint in _HINTS:
-        if re.search(pattern, line):
+    hints = tomllib.loads(Path(__file__).with_name("toml_hints.toml").read_text(encoding="utf-8"))["hint"]
+    for hint in hints:
+        if re.search(hint["pattern"], line):
             value = line.partition("=")[2].partition("#")[0].strip()
             better = value.replace(",", ".") if value[:1] in "+-0123456789" else f'"{value}"'
-            return f"{label}:{number}: is not valid TOML: {line.strip():.60}: {hint.format(better)}"
+            return f"{label}:{number}: is not valid TOML: {line.strip():.60}: {hint['advice'].format(better)}"
     return f"{label}: is not valid TOML: {said}"
 
 
 @lru_cache(maxsize=8)
-def find_key_lines(text: str) -> Mapping[Path, int]:
+def find_key_lines(text: str) -> Mapping[KeyPath, int]:
     """Return the line of each key of a valid TOML document, counted from 1; none of a document that is too long.
 
     Tables are keys too; those of an array are numbered. A key begins after the last line up to which the document was one
     without it: so its own parser decides what a key is.
     """
-    lines: dict[Path, int] = {}
+    lines: dict[KeyPath, int] = {}
     rows, begin = text.replace("\r\n", "\n").split("\n"), 1
     for number in range(1, len(rows) + 1 if len(rows) <= MAX_LINES else 0):
         try:
@@ -84,14 +70,14 @@ def find_key_lines(text: str) -> Mapping[Path, int]:
     return lines
 
 
-def _list_paths(node: Any, above: Path = ()) -> Iterator[Path]:
+def _list_paths(node: Any, above: KeyPath = ()) -> Iterator[KeyPath]:
     items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for name, value in items:
         yield (*above, name)
         yield from _list_paths(value, (*above, name))
 
 
-def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
+def find_line(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
     """Return the line of a key, or of the innermost known key that contains it; ``None`` if there is no such key."""
     for end in range(len(path), 0, -1):
         if path[:end] in lines:
