@@ -151,6 +151,21 @@ def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(call,
     assert last_line(result).startswith(f"error: {text}")
 
 
+@pytest.mark.parametrize(
+    ("deed", "text"),
+    [
+        ("leave", "error: exporter 'deed' failed in write(): SystemExit: os._exit(0) (in <lambda>, line "),
+        ("thread", "warning: a plugin left the thread 'idle', which ends with the command"),
+    ],
+)
+def test_a_plugin_neither_ends_a_command_without_a_word_nor_keeps_it_from_its_end(
+    run: Program, deed: str, text: str, tmp_path: Path
+) -> None:
+    done = run("export", "C", "--format", "deed", "--set", f"exporter.deed.deed='{deed}'", cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith(text)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
 @pytest.mark.parametrize(("deed", "text"), [("die", "exit code 3"), ("segfault", "SIGSEGV")])
 def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_file(call, deed, text, tmp_path):

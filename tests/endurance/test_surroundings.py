@@ -7,7 +7,9 @@ import os
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,26 +19,26 @@ pytestmark = [
 ]
 
 
-def limit(name, value):
+def limit(name: str, value: int) -> Callable[[], None]:
     import resource
 
     return lambda: resource.setrlimit(getattr(resource, name), (value, value))
 
 
-def close(*descriptors):
-    def close_all():
+def close(*descriptors: int) -> Callable[[], None]:
+    def close_all() -> None:
         for number in descriptors:
             os.close(number)
 
     return close_all
 
 
-def set_all(**variables):
+def set_all(**variables: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return surroundings in which one variable of the environment has a value."""
     return {f"{name}={value}": {"env": {name: value}} for name, values in variables.items() for value in values}
 
 
-SURROUNDINGS = {
+SURROUNDINGS: dict[str, dict[str, Any]] = {
     **set_all(
         LC_ALL=["C", "POSIX", "tr_TR.UTF-8", "zh_CN.GBK", "nonsense"],
         PYTHONIOENCODING=["ascii", "utf-16", "cp1252"],
@@ -76,54 +78,45 @@ SURROUNDINGS = {
 }
 
 
-def test_odd_surroundings_change_no_agent(tmp_path, show_row):
-    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "sample", "--scenario", "paper"]
-    command += ["--count", "2", "--seed", "3", "--out", "out"]
-    fell = []
-    expected = {}
-    for number, (name, odd) in enumerate({"usual": {}, **SURROUNDINGS}.items()):
+CLOCK_AND_PROCESSES: dict[str, dict[str, Any]] = {
+    "a clock that runs backward": {"site": "import time; t = time.time; b = t(); time.time = lambda: 2 * b - t()"},
+    "processes that are forked": {"site": "import multiprocessing as m; m.set_start_method('fork')"},
+}
+"""With what Python runs before the program."""
+
+RUN = ("LC_ALL=C", "LC_ALL=tr_TR.UTF-8", "PYTHONOPTIMIZE=2", "TZ=nonsense", "umask 077", "64 descriptors")
+
+COMMANDS = {
+    "sample --scenario paper --count 2": ("agents", SURROUNDINGS),
+    "evolve paper --simulator native --target TP3 --evaluations 24 --workers 2": (
+        "rows",
+        CLOCK_AND_PROCESSES | {name: SURROUNDINGS[name] for name in RUN},
+    ),
+}
+
+
+@pytest.mark.parametrize("words", COMMANDS)
+def test_odd_surroundings_change_nothing(tmp_path, rows, show_row, words):
+    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), *words.split(), "--seed", "3", "--out", "out"]
+    what, surroundings = COMMANDS[words]
+    fell, expected = [], None
+    for number, (name, odd) in enumerate({"usual": {}, **surroundings}.items()):
         folder = tmp_path / str(number) / odd.get("folder", "here")
         folder.mkdir(parents=True)
         for file in odd.get("files", ()):
             (folder / file).write_text("raise SystemExit('the wrong module')\n", encoding="utf-8")
         changed = odd.get("env", {})
+        if "site" in odd:
+            (folder / "sitecustomize.py").write_text(odd["site"], encoding="utf-8")
+            changed = {"PYTHONPATH": str(folder)}
         environment = {} if changed is None else os.environ | changed
         done = subprocess.run(
             command, cwd=folder, env=environment, preexec_fn=odd.get("preexec_fn"), capture_output=True, check=False
         )
-        found = {path.name: path.read_bytes() for path in folder.glob("out/*")}
+        is_run = (folder / "out" / "run.db").exists()
+        found = rows(folder / "out") if is_run else {path.name: path.read_bytes() for path in folder.glob("out/*")}
         expected = expected or found
-        if done.returncode or b"Traceback" in done.stderr or found != expected or len(found) != 2:
+        if done.returncode or b"Traceback" in done.stderr or found != expected or len(found) < 2:
             fell.append((name, done.returncode, done.stderr[-500:]))
     assert not fell
-    show_row("trials", "odd surroundings of `sample`", len(SURROUNDINGS), "the same agents")
-
-
-CUSTOM = {
-    "a clock that runs backward": "import time; t = time.time; b = t(); time.time = lambda: 2 * b - t()",
-    "processes that are forked": "import multiprocessing as m; m.set_start_method('fork')",
-    "processes that are spawned": "import multiprocessing as m; m.set_start_method('spawn')",
-}
-"""What Python runs before the program, by its name in the table."""
-
-USED = ("LC_ALL=C", "LC_ALL=tr_TR.UTF-8", "PYTHONOPTIMIZE=2", "TZ=nonsense", "umask 077", "64 descriptors")
-
-
-def test_odd_surroundings_change_no_run(tmp_path, rows, show_row):
-    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "evolve", "paper", "--simulator", "native"]
-    command += ["--target", "TP3", "--evaluations", "24", "--workers", "2", "--seed", "3", "--out", "run"]
-    expected, fell = None, []
-    for name, code in {"usual": "", **CUSTOM, **dict.fromkeys(USED, "")}.items():
-        (folder := tmp_path / name).mkdir()
-        (folder / "sitecustomize.py").write_text(code, encoding="utf-8")
-        odd = SURROUNDINGS.get(name, {})
-        environment = os.environ | odd.get("env", {}) | {"PYTHONPATH": str(folder)}
-        done = subprocess.run(
-            command, cwd=folder, env=environment, preexec_fn=odd.get("preexec_fn"), capture_output=True, check=False
-        )
-        found = rows(folder / "run") if done.returncode == 0 else []
-        expected = expected or found
-        if not found or found != expected or b"Traceback" in done.stderr:
-            fell.append((name, done.returncode, done.stderr[-500:]))
-    assert not fell
-    show_row("trials", "odd surroundings of `evolve`", len(CUSTOM) + len(USED), "the same rows")
+    show_row("trials", f"odd surroundings of `{words.split(maxsplit=1)[0]}`", len(surroundings), f"the same {what}")

@@ -3,15 +3,14 @@
 import os
 import re
 import signal
-import sqlite3
 import subprocess
 import sys
-import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from processes import count_evaluations, wait_until
 
+PAGE = Path(__file__).parents[2] / "docs" / "running.md"
 STUDY = """base = "paper"
 simulator.use = "fake"
 simulator.pause = 0.05
@@ -23,15 +22,7 @@ run.evaluations = 60
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="a script of bash, and /proc")
 def test_a_job_that_is_preempted_ends_like_one_that_was_not(fake_plugin, rows, tmp_path):
-    page = (Path(__file__).parents[2] / "docs" / "running.md").read_text(encoding="utf-8")
-
-    def count(run):
-        with suppress(sqlite3.OperationalError):
-            # Reading would make the file.
-            return len(rows(run)) if (run / "run.db").exists() else 0
-        return 0
-
-    [job] = re.findall(r"```bash\n(.*?)```", page, re.DOTALL)
+    [job] = re.findall(r"```bash\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "job.sh").write_text(job, encoding="utf-8")
     (tmp_path / "srun").write_text('#!/bin/sh\nexec "$@"\n', encoding="utf-8")
     (tmp_path / "srun").chmod(0o755)
@@ -40,19 +31,12 @@ def test_a_job_that_is_preempted_ends_like_one_that_was_not(fake_plugin, rows, t
         (submit / "my-study.toml").write_text(STUDY, encoding="utf-8")
         for k in range(times):
             (disk := tmp_path / f"{name}-{k}").mkdir()
-            variables = {
-                "SLURM_SUBMIT_DIR": submit,
-                "SLURM_ARRAY_TASK_ID": 3,
-                "TMPDIR": disk,
-                "PYTHONPATH": fake_plugin,
-            }
             path = f"{tmp_path}:{Path(sys.executable).parent}:{os.environ['PATH']}"
-            environment = os.environ | {key: str(value) for key, value in variables.items()} | {"PATH": path}
+            slurm = {"SLURM_SUBMIT_DIR": str(submit), "SLURM_ARRAY_TASK_ID": "3", "TMPDIR": str(disk), "PATH": path}
+            environment = os.environ | {"PYTHONPATH": str(fake_plugin)} | slurm
             with subprocess.Popen(["bash", tmp_path / "job.sh"], cwd=submit, env=environment) as process:
-                while k + 1 < times and count(disk / "r3") < 3:
-                    assert process.poll() is None
-                    time.sleep(0.1)
                 if k + 1 < times:
+                    wait_until(lambda run=disk / "r3": count_evaluations(run) > 2)
                     # To the step alone, as SLURM does; the script then has time to copy what there is.
                     [step] = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
                     os.kill(int(step), signal.SIGTERM)

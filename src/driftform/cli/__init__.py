@@ -5,6 +5,9 @@ import gc
 import io
 import os
 import sys
+import threading
+import time
+from functools import partial
 
 import lazy_loader
 
@@ -17,12 +20,18 @@ Most objects, such as those of imported modules, live until the command ends. Wi
 8 % of the time of a short command.
 """
 
+THREADS_S = 5.0
+"""Time that threads which a command left have to end, s."""
+
+_end_process = os._exit
+
 
 def main() -> None:
     """Run the command line."""
     codes: list[int] = []
     # Last of what is done at the end, because it is registered first.
     atexit.register(_leave, codes)
+    os._exit = partial(_refuse_exit, os.getpid())
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         # What is closed is opened, in order, before a file of a run gets its number and then what is printed.
         if getattr(sys, name) is None:
@@ -37,6 +46,8 @@ def main() -> None:
         if isinstance(end.code, int):
             codes.append(end.code)
         raise
+    finally:
+        threading.Thread(target=_leave_threads, args=(codes,), daemon=True).start()
 
 
 def _run() -> None:
@@ -59,4 +70,20 @@ def _leave(codes: list[int]) -> None:
         if stream is not None and not stream.closed:
             stream.flush()
     for code in codes:
-        os._exit(code)
+        _end_process(code)
+
+
+def _refuse_exit(process: int, code: int) -> None:
+    """Stand in place of ``os._exit``, by which a plugin would end the command without a word; what a plugin forks may use it."""
+    if os.getpid() != process:
+        _end_process(code)
+    raise SystemExit(f"os._exit({code})")
+
+
+def _leave_threads(codes: list[int]) -> None:
+    """End a process that a thread of a plugin keeps from its end."""
+    time.sleep(THREADS_S)
+    left = [thread for thread in threading.enumerate() if not thread.daemon and thread is not threading.main_thread()]
+    if left:
+        print(f"warning: a plugin left the thread '{left[0].name}', which ends with the command", file=sys.stderr)
+        _leave(codes or [1])

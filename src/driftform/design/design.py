@@ -11,12 +11,11 @@ import numpy as np
 
 from driftform.agent import hull_mass
 from driftform.design.flight import DisturbedFlights, Flight
-from driftform.design.inspection import compare_added_mass, inspect_agent, list_departures
+from driftform.design.inspection import compare_added_mass, inspect_agent, list_departures, list_doubts
 from driftform.design.live import LiveFlight
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
-from driftform.motion.forces.limits import list_limits
 from driftform.motion.path.interpolation import resample
 from driftform.motion.path.targets import find_offsets, name_outlet
 from driftform.motion.path.thinning import check_rate
@@ -33,7 +32,6 @@ from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
 from driftform.water import Scenario
 from driftform.water.disturbances import draw_conditions, know_gusts
-from driftform.water.regime import warn_of_regime
 
 Progress = Callable[[int, int], None]
 """Takes the number of steps that are done, and of all."""
@@ -146,7 +144,7 @@ class Design(ByContent):
 
     def list_limits(self) -> list[str]:
         """Return in what agent and flow are outside of the ranges of the formulas that fly it, one line each."""
-        return [*list_limits(self.agent, self.scenario), *warn_of_regime(self.scenario)]
+        return list_doubts(self.agent, self.scenario)
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""

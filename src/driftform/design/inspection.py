@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ from driftform.plugins.registry import registry
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import Factors
+from driftform.water.flow import GridFlow
+from driftform.water.parts.grid_files import read_grid
 from driftform.water.regime import warn_of_regime
 
 LEAD = 11_340.0
@@ -43,6 +46,9 @@ SPEED_CHANGE = 0.01
 
 MASS_CHANGE = 1e-4
 """Difference in mass that is worth a warning, kg: what a kitchen scale shows."""
+
+SLOW = 0.01
+"""Terminal speed of a body, over the speed of the fastest water, below which it says little of its own."""
 
 
 def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | None = None) -> dict[str, Any]:
@@ -210,7 +216,28 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
             f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
         )
-    return [*warnings, *list_limits(agent, scenario), *warn_of_regime(scenario)]
+    return [*warnings, *list_doubts(agent, scenario)]
+
+
+def list_doubts(agent: Agent, scenario: Scenario) -> list[str]:
+    """Return in what agent and flow are outside of the ranges of the formulas that fly it, or hardly meant so, one line each."""
+    return [*list_limits(agent, scenario), *warn_of_regime(scenario), *_warn_of_speeds(agent, scenario)]
+
+
+def _warn_of_speeds(agent: Agent, scenario: Scenario) -> list[str]:
+    """Return a line if a body is far slower than the water of a grid in open water, or faster than all of it."""
+    flow, fluid = scenario.flow, scenario.fluid
+    if not scenario.pipe.is_open or not isinstance(flow, GridFlow):
+        return []
+    water = flow.speed / flow.reference * float(np.linalg.norm(read_grid(Path(flow.file)).velocity, axis=3).max())
+    net = agent.mass.net_buoyancy(fluid)
+    own = max(_terminal_speeds(agent, fluid, net, -net).values())
+    if SLOW * water <= own <= water:
+        return []
+    way = f"less than {100 * SLOW:g} % of" if own < water else "more than"
+    return [
+        f"its terminal speed, {own:.3g} m/s, is {way} that of the fastest water in flow.file, {water:.3g} m/s: do the units agree?"
+    ]
 
 
 def list_departures(agent: Agent, pipeline: Pipeline, designed: Agent, design: Pipeline) -> list[str]:

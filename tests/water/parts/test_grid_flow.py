@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from driftform.design.inspection import list_doubts
 from driftform.testing.agents import sphere_agent
 from driftform.types import End
 from driftform.water import Pipe, Scenario
@@ -146,6 +147,14 @@ def test_a_body_that_leaves_a_grid_in_open_water_ends_its_flight_there(tmp_path)
     assert flight.end is End.EDGE
     assert flight.t[-1] == pytest.approx(2.0, rel=1e-6)
     assert flight.position[-1] == pytest.approx([1.1, 0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("density", "words"), [(1, "less than 1 % of"), (1.01, None), (4, "more than")])
+def test_a_body_that_drifts_with_all_water_of_a_grid_or_outruns_it_is_said(tmp_path, density, words):
+    scenario = in_pipe(tmp_path, sample(lambda x: 0.5 * along(x))).model_copy(update={"pipe": OPEN})
+    ball = sphere_agent(0.01, density * scenario.fluid.density * 4 / 3 * np.pi * 0.01**3)
+    said = [line for line in list_doubts(ball, scenario) if "flow.file" in line]
+    assert [words in line and "fastest water in flow.file, 0.5 m/s" in line for line in said] == [True] * bool(words)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e7])
