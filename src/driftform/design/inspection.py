@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,8 +21,9 @@ from driftform.plugins.registry import registry
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import Factors
+from driftform.water.fittings import fitting_array, wall_array
 from driftform.water.flow import GridFlow
-from driftform.water.parts.grid_files import read_grid
+from driftform.water.parts.grid_flow import VALUES
 from driftform.water.regime import warn_of_regime
 
 LEAD = 11_340.0
@@ -227,9 +227,11 @@ def list_doubts(agent: Agent, scenario: Scenario) -> list[str]:
 def _warn_of_speeds(agent: Agent, scenario: Scenario) -> list[str]:
     """Return a line if a body is far slower than the water of a grid in open water, or faster than all of it."""
     flow, fluid = scenario.flow, scenario.fluid
-    if not scenario.pipe.is_open or not isinstance(flow, GridFlow):
+    if not scenario.pipe.is_open or not isinstance(flow, GridFlow) or (array := fitting_array(scenario)) is None:
         return []
-    water = flow.speed / flow.reference * float(np.linalg.norm(read_grid(Path(flow.file)).velocity, axis=3).max())
+    # The coefficients of the splines bound the velocities.
+    velocities = array[len(wall_array(scenario.pipe)) + VALUES :].reshape(-1, 3)
+    water = flow.speed / flow.reference * float(np.linalg.norm(velocities, axis=1).max())
     net = agent.mass.net_buoyancy(fluid)
     own = max(_terminal_speeds(agent, fluid, net, -net).values())
     if SLOW * water <= own <= water:
