@@ -158,9 +158,7 @@ def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(call,
         ("thread", "warning: a plugin left the thread 'idle', which ends with the command"),
     ],
 )
-def test_a_plugin_neither_ends_a_command_without_a_word_nor_keeps_it_from_its_end(
-    run: Program, deed: str, text: str, tmp_path: Path
-) -> None:
+def test_a_plugin_neither_ends_a_command_without_a_word_nor_keeps_it_from_its_end(run, deed, text, tmp_path):
     done = run("export", "C", "--format", "deed", "--set", f"exporter.deed.deed='{deed}'", cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith(text)

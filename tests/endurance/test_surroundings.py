@@ -7,9 +7,7 @@ import os
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -19,26 +17,26 @@ pytestmark = [
 ]
 
 
-def limit(name: str, value: int) -> Callable[[], None]:
+def limit(name, value):
     import resource
 
     return lambda: resource.setrlimit(getattr(resource, name), (value, value))
 
 
-def close(*descriptors: int) -> Callable[[], None]:
-    def close_all() -> None:
+def close(*descriptors):
+    def close_all():
         for number in descriptors:
             os.close(number)
 
     return close_all
 
 
-def set_all(**variables: Sequence[str]) -> dict[str, dict[str, Any]]:
+def set_all(**variables):
     """Return surroundings in which one variable of the environment has a value."""
     return {f"{name}={value}": {"env": {name: value}} for name, values in variables.items() for value in values}
 
 
-SURROUNDINGS: dict[str, dict[str, Any]] = {
+SURROUNDINGS = {
     **set_all(
         LC_ALL=["C", "POSIX", "tr_TR.UTF-8", "zh_CN.GBK", "nonsense"],
         PYTHONIOENCODING=["ascii", "utf-16", "cp1252"],
@@ -78,7 +76,7 @@ SURROUNDINGS: dict[str, dict[str, Any]] = {
 }
 
 
-CLOCK_AND_PROCESSES: dict[str, dict[str, Any]] = {
+CLOCK_AND_PROCESSES = {
     "a clock that runs backward": {"site": "import time; t = time.time; b = t(); time.time = lambda: 2 * b - t()"},
     "processes that are forked": {"site": "import multiprocessing as m; m.set_start_method('fork')"},
 }
