@@ -105,7 +105,7 @@ class Grammar(Plugin[OptionsT_co]):
         Optimisers of vectors or of choices need it. The symbol of a number has six digits, ``f"{value:.6g}"``. Raises
         InputError, as by default, if lengths vary.
         """
-        raise InputError(f"grammar '{self.name}' lists no genes: use another strategy, or another grammar")
+        raise InputError(f"grammar '{self.name}' lists no genes: use 'bspline', or another strategy that needs none")
 
     def make_genome(self, vector: Sequence[float] | FloatArray) -> Genome:
         """Return the genome of a point of the unit cube, which has one coordinate for each of :meth:`list_genes`."""

@@ -11,7 +11,6 @@ from .interpolation import even_times as even_times
 from .interpolation import interpolate_attitudes as interpolate_attitudes
 from .interpolation import interpolate_pose as interpolate_pose
 from .interpolation import interpolate_positions as interpolate_positions
-from .interpolation import interpolate_turns as interpolate_turns
 from .interpolation import resample as resample
 from .targets import approach_targets as approach_targets
 from .targets import farthest_distances as farthest_distances
