@@ -24,7 +24,7 @@ from driftform.runs.run import StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import is_promised, list_cells, list_headings
-from driftform.search.advance import Observer, advance_run, find_best, list_best, search_run
+from driftform.search.advance import Observer, advance_run, find_best, list_best
 from driftform.search.finalists import find_winner
 from driftform.search.local import InProcess, LocalProcesses
 from driftform.search.picking import pick_agent, write_pick
@@ -117,17 +117,10 @@ class Run(StoredRun, Mapping[str, Design]):
             found = list(store.read_records(self.study.scenario.target_names, evaluation, 1))
         return found[0].evaluation.trajectory if found else None
 
-    def search(self, executor: Executor, observer: Observer | None = None) -> None:
-        """Ask, evaluate and store until the budget is spent; for a run that is created, resumed or ensured.
-
-        Raises InputError if the stored evaluations are not those that the study asks for.
-        """
-        search_run(self, executor, observer)
-
     def advance(self, executor: Executor, observer: Observer | None = None) -> list[str]:
-        """Search as :meth:`search` does, fly the finalists, and write best agents and pictures.
+        """Search until the budget is spent, fly the finalists, and write best agents and pictures.
 
-        Returns one line per file that could not be written.
+        For a run that is created or resumed. Returns one line per file that could not be written.
 
         Raises:
             InputError: if the stored evaluations are not those that the study asks for.
@@ -257,7 +250,7 @@ def evolve(
     study.check_search()
     for warning in study.list_warnings():
         warnings.warn(warning, stacklevel=2)
-    with Run.ensure(Path(directory), study) as run:
+    with Run.create(Path(directory), study, again=True) as run:
         executor = InProcess(study.make_pipeline()) if workers == 1 else LocalProcesses(study.document, workers)
         with closing(executor):
             problems = run.advance(executor, _Counter(study.evaluations, progress, on_batch))

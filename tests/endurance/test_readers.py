@@ -215,7 +215,6 @@ def read_run(path: Path) -> None:
         list(store.read_summaries(targets))
         list(store.read_trajectories())
         store.find_best(targets[0])
-        store.read_ended()
 
 
 def read_track(path: Path) -> None:

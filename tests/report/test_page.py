@@ -237,12 +237,11 @@ def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_
 
 def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
     contents = collect_contents(StoredRun.open(run_with_page))
+    page = page_html(contents)
     for group, agent in zip(contents.agents, viewer_data(contents)["agents"], strict=True):
         entry = group[0]
         assert agent["targets"] == [shared.target for shared in group]
-        assert entry.measures.startswith(
-            f"mass {entry.agent.mass.mass:.4g} kg, length {entry.agent.body.length:.4g} m, "
-        )
+        assert f": mass {entry.agent.mass.mass:.4g} kg, length {entry.agent.body.length:.4g} m, " in page
         t, position = np.array(agent["flight"]["t"]), np.array(agent["flight"]["position"])
         straight = np.column_stack([np.interp(entry.trajectory.t, t, p) for p in position.T])
         # Between 240 moments a flight at 1 m/s goes 4 cm: drawn straight, it cuts a corner at a wall by a quarter.
@@ -257,14 +256,15 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
 )
 def test_a_name_from_a_foreign_file_is_text_wherever_the_page_shows_it(run_with_page, name):
     plain = collect_contents(StoredRun.open(run_with_page))
-    study = plain.study
+    study, first = plain.study, plain.entries[0]
+    result = {**first.stored.result, "target": name}
     renamed = replace(
         plain,
-        study=replace(study, document={**study.document, "title": name, "grammar": {"use": name}}),
-        entries=(replace(plain.entries[0], target=name), *plain.entries[1:]),
+        study=replace(study, document={**study.document, "title": name, "builder": {"use": name}}),
+        entries=(replace(first, stored=replace(first.stored, result=result)), *plain.entries[1:]),
         figures={name: "<svg/>"},
     )
-    study.scenario.targets[name] = study.scenario.targets[plain.entries[0].target]
+    study.scenario.targets[name] = study.scenario.targets[first.target]
     page = PageReader()
     page.feed(page_html(renamed))
     usual = PageReader()

@@ -12,8 +12,9 @@ from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.search.journal import UNWRITTEN_S
 from driftform.search.local import InProcess
-from driftform.search.loop import BestFitness, run_search
+from driftform.search.loop import run_search
 from driftform.search.results import write_results
+from driftform.search.survey import BestFitness
 from driftform.study import load_study
 from driftform.types import Evaluation, Genome
 from driftform_strategies.random import RandomStrategy

@@ -51,18 +51,27 @@ class StoredRun:
 
     @classmethod
     @contextmanager
-    def create(cls, directory: Path, study: Study) -> Iterator[Self]:
-        """Begin a run in a new or empty directory, and hold its lock.
+    def create(cls, directory: Path, study: Study, *, again: bool = False) -> Iterator[Self]:
+        """Begin a run in a new or empty directory, and hold its lock; ``again`` continues the run of the study that it holds.
 
         Raises InputError if the study has no targets, or the directory holds something else.
         """
         study.check_search()
-        check_new(directory)
+        if not (again and (directory / DATABASE).is_file()):
+            check_new(directory)
         make_directory(directory)
         with lock_run(directory):
-            # Another process may have been quicker.
-            check_new(directory)
-            yield cls._begin(directory, study)
+            if again and (directory / DATABASE).is_file():
+                run = cls.open(directory)
+                run._check_same(study)
+            else:
+                # Another process may have been quicker.
+                check_new(directory)
+                # First, and all at once: whatever stops a run after this line, it can be resumed.
+                Store.create(directory / DATABASE, dict(study.document)).close()
+                write_inputs(directory, study, study.document)
+                run = cls(directory, study)
+            yield run
 
     @classmethod
     @contextmanager
@@ -81,31 +90,6 @@ class StoredRun:
             if evaluations is not None:
                 run._check_budget(evaluations)
             yield run
-
-    @classmethod
-    @contextmanager
-    def ensure(cls, directory: Path, study: Study) -> Iterator[Self]:
-        """Begin a run of this study, or continue the one that the directory holds, and hold its lock.
-
-        Raises InputError if the directory holds a run of another study, or another process works on it.
-        """
-        if not (directory / DATABASE).is_file():
-            check_new(directory)
-        make_directory(directory)
-        with lock_run(directory):
-            if (directory / DATABASE).is_file():
-                run = cls.open(directory)
-                run._check_same(study)
-            else:
-                run = cls._begin(directory, study)
-            yield run
-
-    @classmethod
-    def _begin(cls, directory: Path, study: Study) -> Self:
-        # First, and all at once: whatever stops a run after this line, it can be resumed.
-        Store.create(directory / DATABASE, dict(study.document)).close()
-        write_inputs(directory, study, study.document)
-        return cls(directory, study)
 
     def _check_budget(self, evaluations: int) -> None:
         with self.read() as store:
@@ -133,11 +117,6 @@ class StoredRun:
     def resume_command(self) -> str:
         """The command that continues it."""
         return resume_command(self.path)
-
-    @property
-    def is_worked_on(self) -> bool:
-        """Whether a process searches it now."""
-        return is_worked_on(self.path)
 
     @staticmethod
     def glance(directory: Path) -> dict[str, Any]:

@@ -3,16 +3,14 @@
 The file holds data only: numbers, text, and trajectories as compressed float32 arrays. Opening one never runs code.
 """
 
-import hashlib
 import json
 import re
 import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -59,6 +57,9 @@ _MAX_ROW_BYTES = MAX_FLIGHT_BYTES + (1 << 20)
 
 _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 """Errors of SQLite that mean damage; all others are about the place: a full disk, a lock, a right that is missing."""
+
+_SCORE = ", (SELECT fitness FROM score WHERE target = ? AND evaluation = id)"
+"""A column of the fitness for a target."""
 
 _INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * 16)})"
 
@@ -206,41 +207,6 @@ class Store:
         with self._writing("the study"):
             self._connection.execute("UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),))
 
-    def compute_digest(self) -> str:
-        """Return a digest of all that is stored except the samples of flights, of which only the size counts."""
-        columns = "id, generation, population, parents, grammar, symbols, tuning, seed, failure, seconds, ended, duration, contact"
-        digest = hashlib.sha256()
-        with self._reading():
-            for query in (
-                "SELECT value FROM meta WHERE key = 'study'",
-                f"SELECT {columns}, energy_drift, error, length(trajectory) FROM evaluation ORDER BY id",
-                "SELECT target, count(*) FROM score GROUP BY target ORDER BY target",
-                "SELECT * FROM disturbed ORDER BY target, evaluation, condition",
-            ):
-                rows = self._connection.execute(query)
-                while some := rows.fetchmany(1000):
-                    digest.update(repr(some).encode())
-            if self._has_measures:
-                for row in self._connection.execute("SELECT * FROM measured ORDER BY evaluation"):
-                    digest.update(repr(row).encode())
-            # Scores are most of a run: as numbers they take a third of the time of their text.
-            scores = self._connection.execute(
-                "SELECT evaluation, CAST(fitness AS REAL) FROM score ORDER BY target, evaluation"
-            )
-            digest.update(np.fromiter(chain.from_iterable(scores), float).tobytes())
-        return digest.hexdigest()
-
-    def mark_ended(self, facts: Mapping[str, Any]) -> None:
-        """Store that the run has ended as it is now, with facts about that."""
-        ended = {**facts, "digest": self.compute_digest()}
-        with suppress(WorkFailedError):
-            self.write_facts("ended", ended)
-
-    def read_ended(self) -> dict[str, Any]:
-        """Return the facts of the end if nothing has changed since, otherwise nothing."""
-        found = self.read_facts("ended")
-        return found if found.get("digest") == self.compute_digest() else {}
-
     def write_facts(self, name: str, facts: Mapping[str, Any]) -> None:
         """Store facts about the run under a name, in place of older ones."""
         with self._writing("facts about the run"):
@@ -359,19 +325,11 @@ class Store:
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield the summaries of the evaluations from index ``first`` on, in their order, as of one moment."""
-        columns = "id, generation, population, failure"
-        scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
-        with self._reading(), _transaction(self._connection), ExitStack() as stack:
-            rows, *fitness = (
-                stack.enter_context(closing(self._connection.execute(query, values)))
-                for query, values in (
-                    (f"SELECT {columns} FROM evaluation WHERE id >= ? ORDER BY id", (first,)),
-                    *((scores, (target, first)) for target in targets),
-                )
-            )
-            for (index, generation, population, failure), *scored in zip(rows, *fitness, strict=True):
-                values = tuple(float(score) for (score,) in scored)
-                yield EvaluationSummary(index, generation, population, failure, values)
+        columns = "id, generation, population, failure" + _SCORE * len(targets)
+        query = f"SELECT {columns} FROM evaluation WHERE id >= ? ORDER BY id"
+        with self._reading(), closing(self._connection.execute(query, (*targets, first))) as rows:
+            for index, generation, population, failure, *fitness in rows:
+                yield EvaluationSummary(index, generation, population, failure, tuple(map(float, fitness)))
 
     def read_fitness(self, target: str, indices: Sequence[int]) -> dict[int, float]:
         """Return the fitness (%) of the undisturbed flights of evaluations, by evaluation."""
@@ -383,10 +341,12 @@ class Store:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, SQLite would read all that follows, to leave it out.
         end = first + count if count >= 0 else MAX_INDEX
-        query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
-        with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
+        found = "(SELECT found FROM measured WHERE evaluation = id)" if self._has_measures else "NULL"
+        columns = f"{found}, evaluation.*" + _SCORE * len(targets)
+        query = f"SELECT {columns} FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
+        with self._reading(), closing(self._connection.execute(query, (*targets, first, end))) as rows:
             for row in rows:
-                yield self._record(row, targets)
+                yield self._record(*row)
 
     def read_trajectories(self) -> Iterator[tuple[int, Trajectory]]:
         """Yield the index and the flight of every evaluation that did not fail, in their order."""
@@ -401,12 +361,6 @@ class Store:
     def read_record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
         return next(self.read_records(targets, index, 1))
-
-    def read_genome(self, index: int) -> Genome:
-        """Return the genome of one evaluation."""
-        query = "SELECT grammar, symbols, tuning FROM evaluation WHERE id = ?"
-        with self._reading():
-            return self._genome(*self._connection.execute(query, (index,)).fetchone())
 
     def find_best(self, target: str) -> tuple[int, float] | None:
         """Return index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
@@ -462,27 +416,18 @@ class Store:
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise _describe_read_error(self._path, error) from None
 
-    def _genome(self, grammar: str, symbols: str, tuning: float) -> Genome:
-        """Return a genome from the values of its columns."""
+    def _record(self, found: str | None, index: int, generation: int, population: str, *row: Any) -> Record:
+        parents, grammar, symbols, tuning, seed, failure, ended, _, *rest = row
+        contact, drift, error, seconds, blob, *scores = rest
         if self._grammar not in (None, grammar):
             raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
-        return Genome(grammar, tuple(json.loads(symbols)), tuning)
-
-    def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
-        index, generation, population, parents, grammar, symbols, tuning, seed, failure, ended, _, *rest = row
-        contact, drift, error, seconds, blob = rest
-        # By target first, as the key has it: otherwise SQLite would read every row of the table.
-        among = f"target IN ({','.join('?' * len(targets))})"
-        scores = dict(
-            self._connection.execute(
-                f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
-            ).fetchall()
-        )
-        genome = self._genome(grammar, symbols, tuning)
-        fitness = np.array([float(scores[target]) for target in targets])
+        genome = Genome(grammar, tuple(json.loads(symbols)), tuning)
+        fitness = np.array([float(score) for score in scores])
         flight = None if blob is None else _flight(blob, ended, contact, drift, error)
         candidate = Candidate(genome, tuple(json.loads(parents)), generation, population)
-        measures, violations = self._read_measures(index)
+        measures, violations = (
+            {str(name): float(value) for name, value in values.items()} for values in json.loads(found or "[{}, {}]")
+        )
         evaluation = Evaluation(genome, fitness, flight, failure, seconds, measures=measures, violations=violations)
         return Record(index, candidate, evaluation, seed)
 
@@ -490,12 +435,6 @@ class Store:
     def _has_measures(self) -> bool:
         """Whether measures are stored: not in runs of 0.2.0."""
         return bool(_ask(self._connection, "SELECT count(*) FROM sqlite_master WHERE name = 'measured'"))
-
-    def _read_measures(self, index: int) -> tuple[dict[str, float], dict[str, float]]:
-        query = "SELECT found FROM measured WHERE evaluation = ?"
-        row = self._connection.execute(query, (index,)).fetchone() if self._has_measures else None
-        measures, violations = json.loads(row[0]) if row else ({}, {})
-        return ({str(k): float(v) for k, v in measures.items()}, {str(k): float(v) for k, v in violations.items()})
 
 
 def _flight(blob: bytes, ended: str, contact: float | None, drift: float | None, error: float | None) -> Trajectory:

@@ -1,12 +1,15 @@
 """Advance a run: search to the end of its budget, fly the finalists, write the best agents; and what is best so far."""
 
+import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
+from hashlib import file_digest
 from typing import Any
 
 from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.directory import DATABASE
 from driftform.runs.found import FOUND, write_found
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
@@ -18,10 +21,13 @@ from driftform.search.pool import Executor
 from driftform.search.results import Best, write_results
 from driftform.search.witness import find_difference
 from driftform.types import Evaluation
-from driftform.util.files import is_file
+from driftform.util.files import is_file, read_text, write_text
 from driftform.water.flow import GridFlow
 
 _log = logging.getLogger(__name__)
+
+ENDED = "ended.json"
+"""Name of the file with what a run has ended with, by which it is known that nothing changed since."""
 
 
 class Observer:
@@ -81,11 +87,20 @@ def advance_run(run: StoredRun, executor: Executor, observer: Observer | None = 
             raise
         if difference := find_difference(run.study, store, {int(best.result["evaluation"]) for best in found}):
             observer.warn(difference)
-        if not any(best.problems for best in found):
-            files = {best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found}
-            results = {best.target: best.result for best in found}
-            store.mark_ended({"versions": find_versions(run.study.document), "files": files, "results": results})
-        return found
+    if not any(best.problems for best in found):
+        files = {best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found}
+        results = {best.target: best.result for best in found}
+        facts = {**_identify(run), "files": files, "results": results}
+        with suppress(OSError):
+            write_text(run.path / ENDED, json.dumps(facts, indent=1) + "\n")
+    return found
+
+
+def _identify(run: StoredRun) -> dict[str, Any]:
+    """Return the budget of a run, the versions of all that affects what it ends with, and a digest of what is stored."""
+    with (run.path / DATABASE).open("rb") as file:
+        stored = file_digest(file, "sha256").hexdigest()
+    return {"evaluations": run.study.evaluations, "versions": find_versions(run.study.document), "stored": stored}
 
 
 def find_ended(run: StoredRun) -> list[Best] | None:
@@ -93,20 +108,19 @@ def find_ended(run: StoredRun) -> list[Best] | None:
 
     What was stored, the versions of all that affects it, and the files of the agents are compared with those of the end.
     """
-    with run.read() as store:
-        ended = store.read_ended() if store.count() == run.study.evaluations else {}
-    if ended.get("versions") != find_versions(run.study.document):
-        return None
     found: list[Best] = []
     pictures = [run.path / "figures" / f"{name}.svg" for name in ("overview", "reach")]
     try:
+        ended = json.loads(read_text(run.path / ENDED))
+        if {**ended, **_identify(run)} != ended:
+            return None
         for target, result in ended["results"].items():
             files = tuple(run.path / name for name in ended["files"][target])
             if not all(map(is_file, (*files, *pictures))) or StoredAgent.read(files[0]).result != result:
                 return None
             found.append(Best(target, result, files[0], files))
-    except (InputError, AttributeError, LookupError, TypeError):
-        # An agent was changed, or another program wrote these facts.
+    except (InputError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
+        # It has not ended, an agent was changed, or another program wrote these facts.
         return None
     return found
 

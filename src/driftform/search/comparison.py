@@ -52,7 +52,7 @@ def search_all(
         with open_place(next(iter(repeats.values()))) as executor:
             for path, study in repeats.items():
                 counter = _Counter(progress, done, total, problems)
-                with StoredRun.ensure(path, study) as run:
+                with StoredRun.create(path, study, again=True) as run:
                     if study.scenario.robustness.conditions:
                         problems += [line for best in advance_run(run, executor, counter) for line in best.problems]
                     elif run.count()[0] < study.evaluations:

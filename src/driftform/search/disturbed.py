@@ -63,7 +63,7 @@ def fly_disturbed(
         journal: takes the flights.
         conditions: by number; a pair holds that of one.
         genomes: by evaluation.
-        on_flights: called with the number of pairs that are done.
+        on_flights: called with the number of pairs that were done since the last call.
         threshold: that of :class:`driftform.search.jobs.Job`.
         wanted: for which targets the flights of an evaluation are, (targets,); all if it is not given. For another target
             they are stored as flights that say nothing, without an offset.
@@ -82,8 +82,7 @@ def fly_disturbed(
         )
         for number, (index, condition) in enumerate(missing)
     ]
-    count = len(pairs) - len(missing)
-    on_flights(count)
+    on_flights(len(pairs) - len(missing))
     for arrived in executor.evaluate(jobs):
         for number, evaluation in arrived:
             index, condition = missing[number]
@@ -91,6 +90,5 @@ def fly_disturbed(
             found, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
             journal.add(DisturbedResult(index, condition, found, offsets, evaluation.failure), evaluation.seconds)
             fitness[index, condition] = np.where(np.isnan(offsets[:, 0]), np.nan, found)
-        count += len(arrived)
-        on_flights(count)
+        on_flights(len(arrived))
     return fitness

@@ -55,44 +55,47 @@ def fly_finalists(
     rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
     finalists = {list(scores)[row]: reaching[row] for row in rows}
     conditions = draw_rounds(study)
-    to_come = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
-    to_come += len(targets) * robustness.checks
-    genomes = {index: store.read_genome(index) for index in finalists}
+    count = _Count(on_flights)
+    count.later = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
+    count.later += len(targets) * robustness.checks
+    genomes = {index: store.read_record(index, targets).candidate.genome for index in finalists}
     with Journal(store, targets) as journal:
         fly = partial(fly_disturbed, study, journal, executor, conditions, genomes)
         plain = find_plain(study, genomes)
-        done = _race(study, fly, finalists, scores, plain, lambda count, left: on_flights(count, left + to_come))
+        _race(study, fly, finalists, scores, plain, count)
         journal.write()
         won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
         winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
         # One that the survey flew under all conditions may win without being a finalist.
-        genomes |= {index: store.read_genome(index) for index in winners}
+        genomes |= {index: store.read_record(index, targets).candidate.genome for index in winners}
         numbers = range(robustness.conditions, len(conditions))
         checked = [(index, number) for index in sorted(winners) for number in numbers]
         baselines = find_baselines(study, store, executor, [t for t, index in enumerate(won) if index is not None])
-        total = done + len(checked) + robustness.checks * len(baselines)
-        fly(checked, lambda count: on_flights(done + count, total), wanted=winners)
-        done += len(checked)
-        _fly_baselines(study, journal, executor, baselines, won, lambda count: on_flights(done + count, total))
+        count.left, count.later = len(checked), robustness.checks * len(baselines)
+        fly(checked, count.add, wanted=winners)
+        count.left, count.later = count.later, 0
+        # Each baseline is stored with the winner that it is compared with.
+        for target, baseline in sorted(baselines.items()):
+            if (index := won[target]) is not None:
+                drawn, genome, wanted = draw_baseline(study, target), baseline.genome, np.arange(len(won)) == target
+                pairs = [(index, number) for number in drawn]
+                fly_disturbed(
+                    study, journal, executor, drawn, {index: genome}, pairs, count.add, wanted={index: wanted}
+                )
 
 
-def _fly_baselines(
-    study: Study,
-    journal: Journal,
-    executor: Executor,
-    baselines: Mapping[int, Baseline],
-    won: Sequence[int | None],
-    on_flights: Callable[[int], None],
-) -> None:
-    """Fly the baseline of each target, stored with the winner that it is compared with; on_flights is called with the flights done."""
-    done, targets = 0, np.arange(len(won))
-    for target, baseline in sorted(baselines.items()):
-        if (index := won[target]) is not None:
-            conditions, genome = draw_baseline(study, target), {index: baseline.genome}
-            flights, for_target = [(index, number) for number in conditions], {index: targets == target}
-            fly_disturbed(study, journal, executor, conditions, genome, flights, wanted=for_target)
-            done += len(flights)
-            on_flights(done)
+@dataclass
+class _Count:
+    """Counts flights: ``left`` are those that are being flown, ``later`` those that come after them, at most."""
+
+    on_flights: Callable[[int, int], None]
+    done: int = 0
+    left: int = 0
+    later: int = 0
+
+    def add(self, flights: int) -> None:
+        self.done, self.left = self.done + flights, self.left - flights
+        self.on_flights(self.done, self.done + self.left + self.later)
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
@@ -121,9 +124,9 @@ def _race(
     finalists: Mapping[int, BoolArray],
     scores: Mapping[int, FloatArray],
     plain: set[int],
-    on_flights: Callable[[int, int], None],
-) -> int:
-    """Fly the conditions of the choice, and return the number of flights; finalists that can no longer win are dropped.
+    progress: _Count,
+) -> None:
+    """Fly the conditions of the choice; finalists that can no longer win are dropped.
 
     The best of the search for each target fly under all conditions. Another is out as soon as its score would be below
     theirs for all its targets if all flights to come were perfect. So the winners are those of a choice in which all fly.
@@ -132,19 +135,18 @@ def _race(
         finalists: for which targets each may be chosen, (targets,).
         scores: fitness of the search, (targets,).
         plain: which finalists are plain bodies.
-        on_flights: called with the number of flights that are done, and an upper bound of their total.
+        progress: counts flights; what comes after the choice is still to be flown.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
-    count, done, flown = robustness.conditions, 0, dict[tuple[int, int], FloatArray]()
+    count, flown = robustness.conditions, dict[tuple[int, int], FloatArray]()
     perfect = np.full((count, len(targets)), 100.0)
     # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
     unchecked = (inf,) * len(targets)
 
-    def fly_on(indices: Sequence[int], first: int, end: int, later: int) -> int:
+    def fly_on(indices: Sequence[int], first: int, end: int, others: int) -> None:
         pairs = [(index, number) for index in indices for number in range(first, end)]
-        after = done + len(pairs)
-        flown.update(fly(pairs, lambda flights: on_flights(done + flights, after + later), unchecked, finalists))
-        return after
+        progress.left = len(pairs) + others
+        flown.update(fly(pairs, progress.add, unchecked, finalists))
 
     def bound(index: int, end: int) -> FloatArray:
         return robust_fitness(np.vstack([*(flown[index, at] for at in range(end)), perfect[end:]]), robustness)
@@ -154,14 +156,13 @@ def _race(
         for number in range(len(targets))
     ]
     racing = sorted(set(finalists).difference(leaders))
-    done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
+    fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
     best = np.array([bound(leader, count)[number] for number, leader in enumerate(leaders)])
     for first in range(0, count, ROUND):
         end = min(first + ROUND, count)
-        done = fly_on(racing, first, end, len(racing) * (count - end))
+        fly_on(racing, first, end, len(racing) * (count - end))
         bars = {index: lower_bar(best, PLAIN if index in plain else EQUAL) for index in racing}
         racing = [index for index in racing if (bound(index, end) >= bars[index])[finalists[index]].any()]
-    return done
 
 
 def lower_bar(best: Any, share: float = EQUAL) -> Any:
@@ -270,7 +271,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     # What has flown under the conditions of the promise was chosen before.
     decided = [i for i in equals if not all(isnan(flown[i].get(number, nan)) for number in checked)]
     if not decided and len(equals) > 1:
-        genomes = {i: store.read_genome(i) for i in equals}
+        genomes = {i: store.read_record(i, study.scenario.target_names).candidate.genome for i in equals}
         pipeline, plain = study.make_pipeline(), find_plain(study, genomes)
         equals = [i for i in equals if i in plain or scores[i] >= bar]
         masses = {i: hull_mass(pipeline.make_agent(genomes[i]).body) for i in equals}
@@ -302,16 +303,12 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     return Winner(chosen, scores[chosen], promises, baseline)
 
 
-def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+def find_best_agent(study: Study, store: Store, target: str, winner: Winner | None = None) -> StoredAgent | None:
     """Return the best agent of a run for a target, named after it; ``None`` before any evaluation succeeded.
 
-    If finalists were flown under disturbed conditions it is the one that was chosen then.
+    It is the ``winner`` among finalists that were flown under disturbed conditions; without one, the best of the search.
     """
-    return describe_best(study, store, target, find_winner(study, store, target))
-
-
-def describe_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent | None:
-    """Return the ``winner`` for a target as :func:`find_best_agent` does; without one, the best agent of the search."""
+    winner = winner or find_winner(study, store, target)
     if winner is not None:
         index = winner.index
     elif (best := store.find_best(target)) is not None:

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from itertools import chain, repeat
 from typing import Any
 
-import numpy as np
-
 from driftform.errors import InputError
 from driftform.interfaces import Result, Strategy
 from driftform.plugins.faults import report_faults
@@ -17,11 +15,11 @@ from driftform.runs.store import Record, Store
 from driftform.search.jobs import Job
 from driftform.search.journal import Journal
 from driftform.search.pool import Executor
-from driftform.search.survey import Survey
+from driftform.search.survey import BestFitness, Survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
 from driftform.util.files import keep_directory
-from driftform.water.scenario import Robustness, evaluation_seed
+from driftform.water.scenario import evaluation_seed
 
 _log = logging.getLogger(__name__)
 
@@ -62,7 +60,9 @@ def run_search(
         WorkFailedError: where the strategy fails.
     """
     strategy, targets = study.make_strategy(executor.begin), study.scenario.target_names
-    best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
+    robustness = study.scenario.robustness
+    # As many as the run shows, or flies again, for each target.
+    best = BestFitness(robustness.finalists if robustness.conditions else 1, len(targets))
     waiting = deque[Job]()
     # What is added while outcomes arrive is evaluated too; the next is asked for only if there is one.
     arrivals = chain.from_iterable(executor.evaluate(waiting) for _ in repeat(None))
@@ -118,28 +118,3 @@ def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
     candidates = require_candidates(found, left, strategy, grammar, targets, asked)
     seeds = [evaluation_seed(study.seed, index) for index in range(asked, asked + len(candidates))]
     return _Batch(asked, candidates, seeds)
-
-
-class BestFitness:
-    """The ``count`` best fitnesses of a run so far for each of some targets: what others must exceed to appear among them."""
-
-    def __init__(self, targets: int, count: int) -> None:
-        self._best = np.full((count, targets), -np.inf)
-
-    def add(self, evaluations: Sequence[Evaluation]) -> None:
-        """Take the fitness of evaluations; failed ones do not count."""
-        sound = [evaluation.fitness for evaluation in evaluations if evaluation.failure is None]
-        if sound:
-            self._best = np.sort(np.vstack([self._best, *sound]), axis=0)[-len(self._best) :]
-
-    def lower_threshold(self, threshold: tuple[float, ...] | None) -> tuple[float, ...] | None:
-        """Return a strategy's threshold, lowered where the run itself wants a lower fitness, (targets,)."""
-        if threshold is None:
-            return None
-        lowered: list[float] = np.minimum(threshold, self._best[0]).tolist()
-        return tuple(lowered)
-
-
-def count_finalists(robustness: Robustness) -> int:
-    """Return the number of best evaluations that a run shows, or flies again, for each target."""
-    return robustness.finalists if robustness.conditions else 1

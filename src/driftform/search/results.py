@@ -19,7 +19,7 @@ from driftform.runs.misses import Misses
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.runs.wording import summarise
-from driftform.search.finalists import Winner, describe_best, find_winner
+from driftform.search.finalists import Winner, find_best_agent, find_winner
 from driftform.search.jobs import ATTEMPTS, WorkerDiedError
 from driftform.search.pool import Executor
 from driftform.study import Study
@@ -63,7 +63,7 @@ def write_results(run: StoredRun, executor: Executor) -> list[Best]:
     shared: dict[int, list[StoredAgent]] = {}
     with run.read() as store:
         for target in run.study.scenario.targets:
-            stored = _require_best(run.study, store, target, find_winner(run.study, store, target))
+            stored = _require_best(run.study, store, target)
             shared.setdefault(stored.result["evaluation"], []).append(stored)
     groups = list(shared.values())
     # What takes longest first.
@@ -86,8 +86,8 @@ def _call_with_store(write: Callable[[StoredRun, Store], T], run: StoredRun) -> 
         return write(run, store)
 
 
-def _require_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent:
-    stored = describe_best(study, store, target, winner)
+def _require_best(study: Study, store: Store, target: str, winner: Winner | None = None) -> StoredAgent:
+    stored = find_best_agent(study, store, target, winner)
     if stored is None:
         reason, count = store.find_commonest_failure()
         raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
@@ -181,12 +181,28 @@ def _export_agent(run: StoredRun, agent: Agent, stored: Sequence[StoredAgent]) -
 
 @dataclass(frozen=True, eq=False)
 class BestFlight:
-    """The best agent for a target with its flight, and the misses of its disturbed flights if it was chosen by them."""
+    """The best agent for a target with its flight, which is closest to the target at the time ``t`` (s), at a ``distance`` (m).
+
+    ``measures`` are those of its evaluation; ``misses`` those of its disturbed flights, if it was chosen by them.
+    """
 
     stored: StoredAgent
     agent: Agent
     trajectory: Trajectory
+    measures: Mapping[str, float]
+    distance: float
+    t: float
     misses: Misses | None
+
+    @property
+    def target(self) -> str:
+        """The target."""
+        return str(self.stored.result["target"])
+
+    @property
+    def index(self) -> int:
+        """The index of its evaluation."""
+        return int(self.stored.result["evaluation"])
 
 
 def read_best(run: StoredRun, store: Store) -> list[BestFlight]:
@@ -194,16 +210,20 @@ def read_best(run: StoredRun, store: Store) -> list[BestFlight]:
 
     Raises WorkFailedError where not one evaluation succeeded.
     """
-    pipeline, found = run.study.make_pipeline(), []
-    flown: dict[int, tuple[Agent, Trajectory]] = {}
-    for target in run.study.scenario.targets:
+    from driftform.motion.path.targets import approach_targets
+
+    pipeline, found, scenario = run.study.make_pipeline(), [], run.study.scenario
+    flown: dict[int, tuple[Agent, Trajectory, Mapping[str, float]]] = {}
+    for number, target in enumerate(scenario.target_names):
         winner = find_winner(run.study, store, target)
         stored = _require_best(run.study, store, target, winner)
         index = stored.result["evaluation"]
         if index not in flown:
-            flown[index] = pipeline.make_agent(stored.genome), read_flight(run, store, index)
+            measures = store.read_record(index, scenario.target_names).evaluation.measures
+            flown[index] = pipeline.make_agent(stored.genome), read_flight(run, store, index), measures
         promise = None if winner is None else winner.promises.get(Specimen.PRINT)
-        found.append(BestFlight(stored, *flown[index], None if promise is None else promise.misses))
+        distance, t = (float(values[number]) for values in approach_targets(flown[index][1], scenario))
+        found.append(BestFlight(stored, *flown[index], distance, t, None if promise is None else promise.misses))
     return found
 
 
@@ -213,7 +233,7 @@ def draw_overview(study: Study, best: Sequence[BestFlight], page: Page = SCREEN)
     from driftform.figures.overview import overview_svg
 
     fitness = study.make_plugin("fitness")
-    results = {one.stored.result["target"]: one.stored.result for one in best}
+    results = {one.target: one.stored.result for one in best}
     flights = [
         GalleryEntry(target, one.agent, one.trajectory, fitness.measure(result["fitness"]), fitness.unit)
         for one, (target, result) in zip(best, results.items(), strict=True)

@@ -43,7 +43,7 @@ class Survey:
         self._threshold = (inf,) * len(targets)
         self._conditions = draw_rounds(study) if count else ()
         self._stages = sorted({count // 4, count // 2, count} - {0})
-        self._best = {stage: np.full((robustness.finalists, len(targets)), -np.inf) for stage in self._stages}
+        self._best = {stage: BestFitness(robustness.finalists, len(targets)) for stage in self._stages}
 
     def fly(self, first: int, candidates: Sequence[Candidate], evaluations: Sequence[Evaluation]) -> list[Evaluation]:
         """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
@@ -72,12 +72,32 @@ class Survey:
             for number in alive:
                 flights = np.array([flown[first + number, condition] for condition in range(stage)])
                 given[number] = replace(given[number], fitness=_mean_fitness(evaluations[number].fitness, flights))
-            best = self._best[stage]
-            added = [given[number].fitness for number in alive]
-            alive = [n for n in alive if np.any((given[n].fitness > best[0])[matters[n]])]
-            if added:
-                self._best[stage] = np.sort(np.vstack([best, *added]), axis=0)[-len(best) :]
+            least = self._best[stage].least
+            self._best[stage].add([given[number] for number in alive])
+            alive = [n for n in alive if np.any((given[n].fitness > least)[matters[n]])]
         return given
+
+
+class BestFitness:
+    """The ``count`` best fitnesses so far for each of some targets."""
+
+    def __init__(self, count: int, targets: int) -> None:
+        self._best = np.full((count, targets), -np.inf)
+
+    @property
+    def least(self) -> FloatArray:
+        """What others must exceed to be among them, (targets,)."""
+        return np.asarray(self._best[0])
+
+    def add(self, evaluations: Sequence[Evaluation]) -> None:
+        """Take the fitness of evaluations; failed ones do not count."""
+        sound = [evaluation.fitness for evaluation in evaluations if evaluation.failure is None]
+        if sound:
+            self._best = np.sort(np.vstack([self._best, *sound]), axis=0)[-len(self._best) :]
+
+    def lower_threshold(self, threshold: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        """Return a strategy's threshold, lowered where the run itself wants a lower fitness, (targets,)."""
+        return None if threshold is None else tuple(np.minimum(threshold, self.least).tolist())
 
 
 def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:

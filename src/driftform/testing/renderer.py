@@ -1,6 +1,5 @@
 """Contract of renderers."""
 
-import subprocess
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -24,18 +23,11 @@ Frames: TypeAlias = npt.NDArray[np.uint8]
 
 def read_film(path: Path) -> Frames:
     """Return the frames of a film, read by the ffmpeg of the package imageio-ffmpeg."""
-    from imageio_ffmpeg import get_ffmpeg_exe
+    from imageio_ffmpeg import read_frames
 
-    # Read a sequence of PPM images, because each begins with its size.
-    command = [get_ffmpeg_exe(), "-v", "error", "-i", path, "-fps_mode", "passthrough"]
-    done = subprocess.run([*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr.decode(errors="replace")
-    magic, size, depth, _ = done.stdout.split(b"\n", 3)
-    assert (magic, depth) == (b"P6", b"255")
-    width, height = map(int, size.split())
-    head = len(b"\n".join([magic, size, depth, b""]))
-    frames = np.frombuffer(done.stdout, np.uint8).reshape(-1, head + 3 * width * height)
-    return frames[:, head:].reshape(-1, height, width, 3)
+    facts, *frames = read_frames(path, output_params=["-fps_mode", "passthrough"])
+    width, height = facts["size"]
+    return np.frombuffer(b"".join(frames), np.uint8).reshape(-1, height, width, 3)
 
 
 def drifting_trajectory(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:

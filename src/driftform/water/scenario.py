@@ -281,6 +281,7 @@ class Scenario(Table):
     calibration: Calibration = Field(default=Calibration(), description="factors on the model, from filmed flights")
     targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
+        max_length=1000,
         description="points to reach: name and position in the world frame, or the name of an outlet",
         json_schema_extra={"unit": "m"},
     )

@@ -54,9 +54,6 @@ def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
 @lru_cache(maxsize=256)
 def find_fault(symbols: tuple[str, ...]) -> str | None:
     """Return the first fault in the symbols of a genome, or ``None``."""
-    if len(symbols) == GENOTYPE_LENGTH and find_quintuple_fault(symbols) is None:
-        # The usual case, and the quickest: all rules at once.
-        return None
     if is_word(symbols):
         return find_quintuple_fault(symbols[1:])
     if len(symbols) != GENOTYPE_LENGTH:

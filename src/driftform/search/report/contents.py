@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
@@ -14,37 +13,14 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SCREEN, Page
 from driftform.figures.trend import Curve, choose_points, trend_svg
 from driftform.interfaces import Flown, ReportJob
-from driftform.motion.path.targets import approach_targets
 from driftform.plugins.discovery import find_modules
-from driftform.plugins.genome_text import write_genome
-from driftform.runs.agent_file import StoredAgent
 from driftform.runs.found import FOUND, read_found
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.runs.table_files import evaluation_columns
-from driftform.search.results import draw_overview, map_run, read_best
+from driftform.search.results import BestFlight, draw_overview, map_run, read_best
 from driftform.study import Study
-from driftform.types import Agent, Trajectory
 from driftform.water import Scenario
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """The best agent for one target.
-
-    ``index`` is that of its evaluation, ``distance`` (m, at ``t``, s) its closest approach; ``genome`` and ``measures`` are text.
-    """
-
-    target: str
-    index: int
-    fitness: float
-    distance: float
-    t: float
-    stored: StoredAgent
-    genome: str
-    agent: Agent
-    trajectory: Trajectory
-    measures: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +28,7 @@ class Contents:
     """Contents of the page of a run.
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
-    time of all evaluations on the machines that made them. ``causes`` has a picture for each target of what the miss
+    time of all evaluations on the machines that made them, ``units`` are those of measures. ``causes`` has a picture for each target of what the miss
     depends on, if enough flights succeeded. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
     that failed to make its own.
     """
@@ -63,7 +39,8 @@ class Contents:
     failed: int
     commonest_failure: tuple[str, int]
     seconds: float
-    entries: tuple[Entry, ...]
+    entries: Sequence[BestFlight]
+    units: Mapping[str, str]
     figures: Mapping[str, str]
     causes: Mapping[str, str]
     added: Mapping[str, str]
@@ -75,9 +52,9 @@ class Contents:
         return self.study.scenario
 
     @property
-    def agents(self) -> list[list[Entry]]:
+    def agents(self) -> list[list[BestFlight]]:
         """The entries in groups of those that have the same agent."""
-        groups: dict[int, list[Entry]] = {}
+        groups: dict[int, list[BestFlight]] = {}
         for entry in self.entries:
             groups.setdefault(entry.index, []).append(entry)
         return list(groups.values())
@@ -89,26 +66,17 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.
     """
     study, scenario = run.study, run.study.scenario
-    grammar, targets = study.make_plugin("grammar"), scenario.target_names
+    targets = scenario.target_names
     strategy = str(study.document.get("strategy", {}).get("use", "search"))
     columns = evaluation_columns(targets, study.make_plugin("fitness").measures)
     units = {"fitness": "%"} | {column.name: column.unit for column in columns}
     with run.read() as store:
         if not store.count_sound():
             raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
-        best, entries = read_best(run, store), []
-        for number, (target, one) in enumerate(zip(targets, best, strict=True)):
-            distances, times = approach_targets(one.trajectory, scenario)
-            closest = float(distances[number]), float(times[number])
-            stored, result = one.stored, one.stored.result
-            genome = write_genome(grammar, stored.genome)
-            found = result["evaluation"], result["fitness"]
-            measured = store.read_record(found[0], targets).evaluation.measures
-            measures = ", ".join(f"{n} {v:.4g} {units.get(n, '')}".strip() for n, v in measured.items() if isfinite(v))
-            entries.append(Entry(target, *found, *closest, stored, genome, one.agent, one.trajectory, measures))
-        promises = {target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None}
+        entries = read_best(run, store)
+        promises = {one.target: one.misses for one in entries if one.misses is not None}
         figures = {
-            "Flights and bodies": draw_overview(study, best, page),
+            "Flights and bodies": draw_overview(study, entries, page),
             "Search": _draw_search(store, targets, strategy, page),
             "Reach": reach_svg(map_run(study, store), scenario, study.title, page),
         }
@@ -132,7 +100,8 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             store.count_failed(),
             store.find_commonest_failure(),
             store.total_seconds(),
-            tuple(entries),
+            entries,
+            units,
             figures,
             {
                 target: dependence_svg(effects, f"What the miss of {target} depends on", page)
@@ -143,9 +112,9 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
         )
 
 
-def _ask_plugins(name: str, scenario: Scenario, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
+def _ask_plugins(name: str, scenario: Scenario, entries: Sequence[BestFlight]) -> tuple[dict[str, str], list[str]]:
     """Return the sections of all plugins by their headings, and one line for each plugin that failed."""
-    best = {e.target: Flown(e.stored.name, e.agent, e.trajectory, e.fitness) for e in entries}
+    best = {e.target: Flown(e.stored.name, e.agent, e.trajectory, e.stored.result["fitness"]) for e in entries}
     job, added, problems = ReportJob(name, scenario, best), dict[str, str](), list[str]()
     for plugin in find_modules():
         hook = plugin.find_hook("driftform_report")

@@ -5,7 +5,9 @@ The page is the template ``page.html``, with ``page.css`` and ``viewer.js`` plac
 other people, and no line of Python has to remember to escape one. It is imported only when a page is made.
 """
 
+from functools import partial
 from importlib.resources import files
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.motion.forces.limits import list_limits
+from driftform.plugins.genome_text import write_genome
 from driftform.runs.run import StoredRun
 from driftform.runs.wording import (
     describe_doubt,
@@ -71,6 +74,8 @@ def page_html(contents: Contents) -> str:
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.tests["finite"] = isfinite
+    environment.filters["genome"] = partial(write_genome, contents.study.make_plugin("grammar"))
     environment.filters |= {"fixed": "{:.{}f}".format, "general": "{:g}".format, "metres": _format_length}
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
