@@ -10,8 +10,9 @@ from driftform.design.opening import open_agent
 from driftform.errors import InputError
 from driftform.water import Factors
 from driftform_calibration.bench import Bench
-from driftform_calibration.films import SCALES, film_track, weigh_prior
-from driftform_calibration.tracks import Reading
+from driftform_calibration.films import SCALES, check_film, weigh_prior
+from driftform_calibration.problem import Filmed
+from driftform_calibration.tracks import Reading, read_track
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB"
 
@@ -45,8 +46,9 @@ def test_slow_motion_is_refused_with_its_factor_and_a_world_with_more_drag_is_no
         [made] = film(world, Filming(), (30.0,))
         track = replace(made.track, t=slower * made.track.t)
         path = write_track(tmp_path / "film.csv", replace(made, track=track))
+        seen = read_track(path, made.bench.body, Reading())
         if slower == 1:
-            assert film_track(path, made.bench, Reading(), "side", 0.005, 2.5).track.notes == ()
+            assert check_film("film.csv", Filmed(made.bench, seen)).track.notes == ()
             continue
         with pytest.raises(InputError, match="if it is 4 times slow: give --fps"):
-            film_track(path, made.bench, Reading(), "side", 0.005, 2.5)
+            check_film("film.csv", Filmed(made.bench, seen))

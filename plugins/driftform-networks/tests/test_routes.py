@@ -25,7 +25,8 @@ from driftform_networks.flights.bodies import open_traveller, trim_design
 from driftform_networks.flights.bore import divide_bore, spread_points
 from driftform_networks.flights.travelling import Travel
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.planning.following import route, trace
+from driftform_networks.hydraulics.network import take_snapshot
+from driftform_networks.planning.following import How, route, trace
 
 PUMPED = Travel(clearance={"pump": 1.0})
 """River feeds a pump of Net3."""
@@ -119,12 +120,13 @@ def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
 @pytest.mark.long
 @pytest.mark.parametrize("agent", ["sphere:60mm", WORD])
 def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork_file: Path, tmp_path: Path) -> None:
-    network = open_network(fork_file, tmp_path)
-    one, two = (
-        route(network, open_traveller(agent, buoyancy=-0.01), "source", workers=n, cache=tmp_path / f"{n}")
-        for n in (1, 2)
-    )
+    network, body = open_network(fork_file, tmp_path), open_traveller(agent, buoyancy=-0.01)
+    How(workers=2, cache=tmp_path / "2").fly([body], [Travel()], [take_snapshot(network)])
+    made = {path.name for path in (tmp_path / "2").glob("*.npz")}
+    one, two = (route(network, body, "source", workers=n, cache=tmp_path / f"{n}") for n in (1, 2))
     assert one.as_document() == two.as_document()
+    # The workers have made all that one process makes.
+    assert made == {path.name for path in (tmp_path / "1").glob("*.npz")} != set()
 
 
 @pytest.mark.long

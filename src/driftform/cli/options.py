@@ -1,7 +1,10 @@
-"""Options that several commands share, as annotations of parameters: ``json: Json = False`` is ``--json``."""
+"""Options of commands: those that several share as annotations (``json: Json = False`` is ``--json``), others as rows of TOML files."""
 
+import tomllib
 from collections.abc import Callable
+from inspect import Parameter, Signature
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any, TypeAlias
 
 import typer
@@ -117,3 +120,64 @@ Scheduler: TypeAlias = Annotated[
 FlightDirectory: TypeAlias = Annotated[
     Path | None, make_option("DIR", "Directory for the files; by default flights/AGENT.")
 ]
+
+_SHARED: dict[str, tuple[Any, Any]] = {
+    "agent": (Agent, Parameter.empty),
+    "hydrodynamics": (Hydrodynamics, None),
+    "settings": (Settings, None),
+    "workers": (Workers, None),
+    "style": (Style, "screen"),
+    "width_mm": (WidthMm, None),
+    "json": (Json, False),
+}
+"""Options that all commands share: annotation and default."""
+
+_TYPES: dict[str, Any] = {
+    "argument": str,
+    "arguments": list[Path],
+    "text": str,
+    "texts": list[str],
+    "path": Path,
+    "number": float,
+    "signed": float,
+    "numbers": list[float],
+    "size": tuple[float, float, float],
+    "count": int,
+    "switch": bool,
+}
+
+
+def declare(file: Path, *names: str) -> Callable[[Callable[[SimpleNamespace], None]], Callable[..., None]]:
+    """Return a decorator that makes a command, with these options of a file, of a function that takes their values by name."""
+    rows = tomllib.loads(file.read_text(encoding="utf-8"))
+
+    def make(run: Callable[[SimpleNamespace], None]) -> Callable[..., None]:
+        def command(**values: Any) -> None:
+            run(SimpleNamespace(**values))
+
+        command.__name__, command.__module__, command.__doc__ = run.__name__, run.__module__, run.__doc__
+        command.__signature__ = Signature([_declare_option(name, rows) for name in names])  # type: ignore[attr-defined]
+        return command
+
+    return make
+
+
+def _declare_option(name: str, rows: dict[str, dict[str, Any]]) -> Parameter:
+    """Return the parameter of an option of a file, or of one that all commands share."""
+    if name not in rows:
+        annotation, default = _SHARED[name]
+        return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+    option = rows[name]
+    kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
+    shown: dict[str, Any] = {key: option[key] for key in ("help", "metavar", "max") if key in option}
+    if kind in ("number", "numbers", "count") and "signed" not in option:
+        shown["min"] = option.get("min", 0)
+    default = option.get("default", False if kind == "switch" and "/" not in flag else None)
+    is_argument = kind.startswith("argument")
+    is_required = is_argument or option.get("required") or (kind == "text" and default is None)
+    if is_required and not option.get("optional"):
+        default = Parameter.empty
+    default = tuple(default) if kind == "size" else default
+    taken = _TYPES[kind] if default is not None else _TYPES[kind] | None
+    declared = typer.Argument(**shown) if is_argument else typer.Option(flag, **shown)
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[taken, declared])

@@ -162,9 +162,9 @@ def draw_template(parent: ET.Element, package: str, name: str, **values: Any) ->
 
 
 def fill_template(package: str, file: str, **values: Any) -> str:
-    """Return the text of a file in the folder ``templates`` of a package, a template of Jinja for SVG or HTML.
+    """Return the text of a file in the folder ``templates`` of a package, a template of Jinja.
 
-    Numbers become those of :func:`format_number`, and texts are escaped. Templates know the colours of
+    Numbers become those of :func:`format_number`, and texts are escaped, but for those of ``.txt``. Templates know the colours of
     :mod:`driftform.figures.style` by name, ``tint``, and :func:`path_data` as ``path``.
     """
     return _open_templates(package).get_template(file).render(values)
@@ -181,7 +181,11 @@ def _open_templates(package: str) -> "jinja2.Environment":
 
     loader = PackageLoader(package.partition(".")[0], "/".join([*package.split(".")[1:], "templates"]))
     environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, finalize=finalize, trim_blocks=True
+        loader=loader,
+        autoescape=lambda name: name is None or not name.endswith(".txt"),
+        undefined=StrictUndefined,
+        finalize=finalize,
+        trim_blocks=True,
     )
     colours = {name: value for name, value in vars(style).items() if name.isupper()}
     environment.globals |= {**colours, "tint": style.tint, "path": path_data, "number": format_number}

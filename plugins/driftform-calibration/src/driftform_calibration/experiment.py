@@ -6,7 +6,7 @@ for normal distributions (Lindley 1956; Chaloner and Verdinelli 1995, Statistica
 Drops are chosen one after the other; the gain is submodular, so that the choice has at least 63 % of the best gain.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -16,6 +16,7 @@ import numpy as np
 from driftform import Design
 from driftform.errors import InputError, WorkFailedError
 from driftform.types import Body, FloatArray
+from driftform.util import progress
 from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
 from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.fit import CONTACT, find_max_width, list_reasons
@@ -52,7 +53,6 @@ def drop_design(
     drops: int = 3,
     fps: float = 60.0,
     noise: float = 0.002,
-    progress: Callable[[int, int], None] = lambda _, __: None,
 ) -> DropPlan:
     """Return the drops in a tank whose films show most about the model, in the water of an agent's scenario.
 
@@ -61,7 +61,6 @@ def drop_design(
         drops: number of drops.
         fps: frames of the films per second.
         noise: standard deviation of a tracked point, m.
-        progress: called with the number of releases that were examined, and of all.
 
     Raises:
         InputError: if the tank is smaller than the agent.
@@ -79,14 +78,13 @@ def drop_design(
     found: list[tuple[Drop, FloatArray]] = []
     names: tuple[str, ...] = ()
     reasons: dict[str, str] = {}
-    for number, scenario in enumerate(candidates):
+    for scenario in progress.track_progress(candidates, len(candidates), "releases"):
         there = Bench(bench.body, bench.coefficients, scenario)
         reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], Factors.names)
         names = tuple(name for name in Factors.names if name not in reasons)
         examined = _examine(there, inside, names, fps, noise)
         if examined is not None:
             found.append(examined)
-        progress(number + 1, len(candidates))
     if not found:
         raise WorkFailedError(
             f"no release in a tank of {inside.length:g} x {inside.width:g} x {inside.depth:g} m can be filmed for "

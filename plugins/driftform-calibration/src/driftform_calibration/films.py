@@ -66,12 +66,15 @@ def calibrate_design(
     names, films, scenarios = choose_factors(fit), [], []
     if not tracks:
         raise InputError("name at least one track")
+    if view not in VIEWS:
+        raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
     for path in map(Path, tracks):
         chosen = scenario or find_scenario(path)
         there = design.under(*settings, scenario=chosen, use=use)
         assert there.agent.morphology is not None
         bench = Bench.of(there.pipeline, there.agent.morphology)
-        films.append(film_track(path, bench, reading or Reading(), view, scale_error, distance))
+        track = read_track(path, bench.body, reading or Reading())
+        films.append(check_film(str(path), Filmed(bench, track, view, scale_error, distance)))
         scenarios.append(chosen or "")
     found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
     return CalibrationResult(design.name, found, design.stored, scenarios)
@@ -83,20 +86,12 @@ def find_scenario(track: Path) -> str | None:
     return str(study) if study != track and study.is_file() else None
 
 
-def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float) -> Filmed:
-    """Read the track of a flight in the scenario of its bench.
+def check_film(label: str, film: Filmed) -> Filmed:
+    """Return a film, with a note if it may be slow motion or upside down.
 
-    Raises InputError if it cannot be a film of this agent in this scenario: one line with the file and the next step.
+    Raises InputError if it is in another unit, or the agent's weight leaves no doubt: one line with the file and the next step.
     """
-    if view not in VIEWS:
-        raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
-    film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error, distance)
-    _check_motion(str(path), film)
-    return _check_likeness(str(path), film)
-
-
-def _check_likeness(label: str, film: Filmed) -> Filmed:
-    """Return a film, with a note if it may be slow motion or upside down; refuse it where the agent's weight leaves no doubt."""
+    _check_motion(label, film)
     track, bench, up = film.track, film.bench, film.axes[:, 2]
 
     def measure(other: Track) -> float:

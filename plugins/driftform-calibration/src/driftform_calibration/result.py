@@ -13,7 +13,6 @@ from driftform.figures import files as picture_files
 from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files, notebook
-from driftform.water import Calibration
 from driftform_calibration.camera import see_points
 from driftform_calibration.figures import TrackPanel, intervals_svg, tracks_svg
 from driftform_calibration.fit import FactorEstimate, Fit, measure_distance
@@ -49,11 +48,6 @@ class CalibrationResult:
         return {name: found[name] for name in SHOWN}
 
     @property
-    def calibration(self) -> Calibration:
-        """The table ``[calibration]`` for a study."""
-        return self.fit.calibration(self.name)
-
-    @property
     def residual(self) -> float:
         """Root mean square distance of the films from the calibrated flights, m."""
         return self.fit.residual
@@ -66,7 +60,7 @@ class CalibrationResult:
 
     def table(self) -> dict[str, Any]:
         """Return the table ``[calibration]`` in types of TOML."""
-        dumped = self.calibration.model_dump(mode="json", exclude_none=True)
+        dumped = self.fit.calibration(self.name).model_dump(mode="json", exclude_none=True)
         return {key: value for key, value in dumped.items() if value not in ("", [])}
 
     def toml(self) -> str:

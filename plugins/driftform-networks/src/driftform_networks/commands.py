@@ -1,13 +1,12 @@
 """``driftform network``: the commands, which call the functions of :mod:`driftform_networks.planning.following`, and their words."""
 
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from inspect import Parameter, Signature
+from functools import wraps
 from pathlib import Path
 from types import SimpleNamespace as Given
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -21,27 +20,6 @@ if TYPE_CHECKING:
     from driftform_networks.output.results import Outputs
 
 
-_SHARED: dict[str, tuple[Any, Any]] = {
-    "settings": (options.Settings, None),
-    "workers": (options.Workers, None),
-    "style": (options.Style, "screen"),
-    "width_mm": (options.WidthMm, None),
-    "json": (options.Json, False),
-}
-_TYPES: dict[str, Any] = {
-    "argument": str,
-    "text": str,
-    "texts": list[str],
-    "path": Path,
-    "number": float,
-    "signed": float,
-    "numbers": list[float],
-    "count": int,
-    "switch": bool,
-}
-
-_OPTIONS = tomllib.loads(Path(__file__).with_name("options.toml").read_text(encoding="utf-8"))
-
 app = typer.Typer(
     help="Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
     no_args_is_help=True,
@@ -50,37 +28,16 @@ app = typer.Typer(
 _UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
 
 
-def declare_option(name: str) -> Parameter:
-    """Return the parameter of an option of ``options.toml``, or of one that commands of driftform share."""
-    if name in _SHARED:
-        annotation, default = _SHARED[name]
-        return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-    option = _OPTIONS[name]
-    kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
-    shown: dict[str, Any] = {"help": option["help"]} | ({} if kind == "switch" else {"metavar": option["metavar"]})
-    if kind in ("number", "numbers", "count") and "signed" not in option:
-        shown |= {"min": option.get("min", 0), "max": option["max"]}
-    default = option.get("default", False if kind == "switch" else None)
-    is_required = kind == "argument" or option.get("required") or (kind == "text" and default is None)
-    if is_required and not option.get("optional"):
-        default = Parameter.empty
-    taken = _TYPES[kind] if default is not None else _TYPES[kind] | None
-    declared = typer.Argument(**shown) if kind == "argument" else typer.Option(flag, **shown)
-    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[taken, declared])
-
-
-def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], Callable[[Given, "Outputs"], None]]:
+def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], object]:
     """Return a decorator that adds a command with these options: it takes their values by these names, and the files."""
 
-    def add(run: Callable[[Given, "Outputs"], None]) -> Callable[[Given, "Outputs"], None]:
-        def command(**values: Any) -> None:
-            given = Given(**values)
+    def add(run: Callable[[Given, "Outputs"], None]) -> object:
+        @options.declare(Path(__file__).with_name("options.toml"), *names)
+        @wraps(run)
+        def command(given: Given) -> None:
             run(given, _find_outputs(given))
 
-        command.__doc__ = run.__doc__
-        command.__signature__ = Signature([declare_option(name) for name in names])  # type: ignore[attr-defined]
-        app.command(run.__name__)(command)
-        return run
+        return app.command(run.__name__)(command)
 
     return add
 
@@ -115,6 +72,37 @@ def tracers(given: Given, outputs: "Outputs") -> None:
     passage = trace(network, given.release, hour=hour, **how)
     title = f"{network.name}: tracers from {given.release} at hour {hour:g}"
     present_passage(passage, title, outputs)
+
+
+@declare(
+    "net", "release", "port", "sphere_buoyancies", "agents_besides", "at", "steady", "day_within", "walks", "seed", *CHANGES,
+    "service_bore", "clearance", "scenario", "settings", "map", "style", "width_mm", "cache", "json",
+)  # fmt: skip
+def bodies(given: Given, outputs: "Outputs") -> None:
+    """Compare bodies: where spheres of each size and weight can go from a node, and where they drag or stop at night.
+
+    Without flights: a body on the wall moves where the drag of the water exceeds the friction there, hour by hour.
+    """
+    from driftform_networks.flights.travelling import Travel
+    from driftform_networks.output.screened import present_bodies
+    from driftform_networks.planning.candidates import collect_candidates
+    from driftform_networks.planning.screening import LIFT, SIZES_MM, WEIGHTS, screen_bodies
+
+    network, environment = (
+        replace(_open(given), service_bore=given.service_bore),
+        (given.scenario, given.settings or ()),
+    )
+    weights, agents = given.sphere_buoyancies or WEIGHTS, given.agents_besides or ()
+    spheres = [
+        f"sphere:{size:g}mm"
+        for size in (given.port, *(size for size in SIZES_MM if size < given.port and LIFT * size**3 > max(weights)))
+    ]
+    travellers = collect_candidates(spheres, None, 0, weights, *environment)
+    travellers += collect_candidates(agents, None, 0, given.sphere_buoyancies, *environment) if agents else []
+    [hour], how = _pick(given, [given.at])
+    how |= {"travel": Travel.parse(network, "side", given.clearance)}
+    how["within"] = given.day_within and parse_time("--within", given.day_within)
+    present_bodies(*screen_bodies(network, travellers, given.release, hour=hour, **how), outputs)
 
 
 @declare("net", "agent", "release", "at", "buoyancy", *WATER, *CHANGES, *BODY, *SIGHT, *FILES)

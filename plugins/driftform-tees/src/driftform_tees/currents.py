@@ -1,13 +1,10 @@
 """The current of a pipe on a regular grid, as CSV: for Gazebo, and for ``flow.kind = "grid"``."""
 
 import math
-import os
-import warnings
 from pathlib import Path
 
 import numpy as np
 
-from driftform import Study
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util import files
@@ -132,26 +129,3 @@ def write_current(path: Path, grid: grid_files.VelocityGrid) -> int:
 
     files.write_whole(path, write)
     return int(known.sum())
-
-
-def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> grid_files.VelocityGrid:
-    """Write the mean current in the pipe of a study on a regular grid as CSV, and return the grid.
-
-    The file is for Gazebo, and for ``flow.kind = "grid"``.
-
-    Args:
-        study: from :func:`load_study`.
-        path: of the file; an older one is replaced.
-        spacing: of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
-
-    Raises:
-        InputError: in open water, or if the spacing does not suit the pipe.
-
-    Warns:
-        UserWarning: if gusts, or the acceleration of a current, are left out.
-    """
-    grid = sample_current(study.scenario, spacing)
-    for warning in warn_of_flow(study.scenario):
-        warnings.warn(warning, stacklevel=2)
-    write_current(Path(path), grid)
-    return grid

@@ -34,8 +34,8 @@ TOLERANCE = 1e-8
 ASSEMBLY = 0.5
 """Share of the time that the matrix takes; the conjugate gradients take the rest."""
 
-CUT_CELLS = 500
-"""Cells at the wall between two looks at the progress."""
+CELLS = 1000
+"""Cells whose entries are in memory at one time, 32 kB each."""
 
 ShowShare: TypeAlias = Callable[[float], None]
 """Takes the share of the work that is done."""
@@ -43,33 +43,25 @@ ShowShare: TypeAlias = Callable[[float], None]
 
 def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
     """Compute the two flows in a tee, as driftform stores them, in some minutes; progress is shown in percent."""
-    with progress.count_progress("% of the flow in the tee") as show:
-        done = 0
-
-        def show_share(share: float) -> None:
-            nonlocal done
-            while done < min(100, int(100 * share)):
-                done += 1
-                show(done, 100)
-
-        solved = _solve_tee(junction, show_share)
-        show_share(1.0)
-    return solved
-
-
-def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePotentials:
     wall = junction.array()
     levels = make_levels(junction)
     matrices, starts = coefficient_matrices(levels)
     mirror = _mirror_matrix(levels, starts)
     maps = [csr_array(matrix @ mirror) for matrix in matrices]
-    stiffness = _assemble(levels, maps, wall, lambda share: show(ASSEMBLY * share))
     inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
-    found = solve_system(
-        stiffness,
-        np.stack([outlet - inlet, end - inlet], axis=1),
-        lambda share: show(ASSEMBLY + (1 - ASSEMBLY) * share),
-    )
+    loads = np.stack([outlet - inlet, end - inlet], axis=1)
+    with progress.count_progress("% of the flow in the tee") as count:
+        shown = 0
+
+        def show(share: float) -> None:
+            nonlocal shown
+            while shown < min(100, int(100 * share)):
+                shown += 1
+                count(shown, 100)
+
+        stiffness = _assemble(levels, maps, wall, lambda share: show(ASSEMBLY * share))
+        found = solve_system(stiffness, loads, lambda share: show(ASSEMBLY + (1 - ASSEMBLY) * share))
+        show(1.0)
     rows, flows, place = [], [], tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels)
     for level, P in zip(levels, maps, strict=True):
         # Functions that touch only cells with y < 0 are left out; others that no cell of the region needs have none.
@@ -141,29 +133,24 @@ def _distances_from_ball(points: FloatArray, wall: FloatArray) -> FloatArray:
 
 def _assemble(levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray, show: ShowShare) -> csr_array:
     """Return the matrix of the system."""
-    reference = _whole_stiffness()
-    matrix = None
-    nodes, weights = _gauss(4)
+    reference, (nodes, weights) = _whole_stiffness(), _gauss(4)
     laid = [_lay_cells(level, wall) for level in levels]
-    done, count = 0, sum(int(cut.sum()) for _, _, cut in laid)
+    matrix, done, count = csr_array((maps[0].shape[1],) * 2), 0, sum(int(cut.sum()) for _, _, cut in laid)
     for level, P, (cells, corners, cut) in zip(levels, maps, laid, strict=True):
-        entries = np.empty((len(cells), 64, 64))
-        entries[~cut] = level.width * reference
-        parts = []
-        for some in np.array_split(corners[cut], 1 + int(cut.sum()) // CUT_CELLS):
-            parts.append(cut_stiffness(some, level.width, wall, 1, nodes, weights, PENALTY))
-            done += len(some)
-            show(done / count)
-        found, volumes = (np.concatenate(part) for part in zip(*parts, strict=True))
-        dry = np.clip(1 - volumes / level.width**3, 0, 1)
-        entries[cut] = found + OUTSIDE * level.width * dry[:, None, None] * reference
-        functions = _functions_of(cells, level)
-        rows = np.broadcast_to(functions[:, :, None], entries.shape).ravel()
-        columns = np.broadcast_to(functions[:, None, :], entries.shape).ravel()
-        size = level.active.size
-        own = coo_array((entries.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-        part = P.T @ own @ P
-        matrix = part if matrix is None else matrix + part
+        own = csr_array((level.active.size,) * 2)
+        # Cells at the wall come last: they alone take time.
+        for rows in np.array_split(np.argsort(cut, kind="stable"), 1 + len(cells) // CELLS):
+            here, entries = cut[rows], np.repeat(level.width * reference[None], len(rows), axis=0)
+            if here.any():
+                found, volumes = cut_stiffness(corners[rows[here]], level.width, wall, 1, nodes, weights, PENALTY)
+                dry = np.clip(1 - volumes / level.width**3, 0, 1)
+                entries[here] = found + OUTSIDE * level.width * dry[:, None, None] * reference
+                done += len(found)
+                show(done / count)
+            functions = _functions_of(cells[rows], level).astype(np.int32)
+            places = (np.repeat(functions, 64, axis=1).ravel(), np.tile(functions, 64).ravel())
+            own = own + coo_array((entries.ravel(), places), shape=own.shape).tocsr()
+        matrix = matrix + P.T @ own @ P
     return csr_array(matrix)
 
 

@@ -80,8 +80,8 @@ def read_gates() -> dict[str, Gate]:
     return {kind: Gate(**values) for kind, values in tomllib.loads(text).items()}
 
 
-def find_gate(clearance: Mapping[str, float], body: Body | None, network: Network, link: int) -> tuple[str, str]:
-    """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the bore.
+def find_gate(clearance: Mapping[str, float], body: Body | None, network: Network, link: int) -> tuple[str, str, float]:
+    """Return why a body cannot pass what is in a link, or what it passes, both empty where nothing narrows the bore, and its opening, m.
 
     ``clearance`` has openings that replace the usual ones, by the name of a link or a kind; ``body`` is ``None`` for a point.
     """
@@ -89,15 +89,15 @@ def find_gate(clearance: Mapping[str, float], body: Body | None, network: Networ
     gate = read_gates().get(kind, Gate("fitting", 1.0, 0.0, ""))
     share = clearance.get(name, clearance.get(kind, gate.share))
     if share >= 1:
-        return "", "" if gate.name == "fitting" else gate.name
+        return "", "" if gate.name == "fitting" else gate.name, np.inf
     if share <= 0:
         behind = f" (release behind it, at {network.nodes[network.end[link]]})" if kind == "pump" else ""
-        return f"before a {gate.name} that lets no body pass{behind}", ""
+        return f"before a {gate.name} that lets no body pass{behind}", "", 0.0
     # A pump has no bore of its own: take the widest pipe at its ends.
     ends = (network.start[link], network.end[link])
     near = np.isin(network.start, ends) | np.isin(network.end, ends)
     bore = float(network.diameter[link] or network.diameter[near].max())
     obstacle = "" if body is None else find_obstacle(body, bore, share * bore, np.deg2rad(gate.turn_deg))
     if obstacle:
-        return f"in a {gate.name}, {obstacle}", ""
-    return "", f"{gate.name}, {1000 * share * bore:.0f} of {1000 * bore:.0f} mm open"
+        return f"in a {gate.name}, {obstacle}", "", share * bore
+    return "", f"{gate.name}, {1000 * share * bore:.0f} of {1000 * bore:.0f} mm open", share * bore

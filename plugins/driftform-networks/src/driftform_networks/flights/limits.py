@@ -20,8 +20,7 @@ def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, ste
         steps: hydraulic steps whose flows carry it.
     """
     flown: dict[tuple[float, float], set[int]] = {}
-    for step in steps:
-        speeds = np.abs(network.hydraulics.flow[step]) / np.where(network.is_pipe, network.area, np.inf)
+    for speeds in network.find_speeds(steps):
         for link in np.flatnonzero((seen > 0) & (speeds > 0)).tolist():
             if not traveller.is_mixed(speeds[link]):
                 flown.setdefault((float(network.diameter[link]), match_speed(speeds[link])), set()).add(link)
@@ -40,7 +39,7 @@ def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, ste
 def word_weight(traveller: Traveller, network: Network, passings: Mapping[int, str], steps: Iterable[int]) -> list[str]:
     """Return a line with the tees on its way at which a tenth of a gram decides whether the water mixes a body; none without tees."""
     tees = [node for node, how in passings.items() if how == TEE]
-    speeds = np.abs(network.hydraulics.flow[list(steps)]).max(axis=0) / np.where(network.is_pipe, network.area, np.inf)
+    speeds = network.find_speeds(steps).max(axis=0)
     gravity = traveller.scenario.fluid.gravity
     # The greatest speed beside a tee leaves a body the most room.
     fastest = (speeds[(network.start == node) | (network.end == node)].max() for node in tees)

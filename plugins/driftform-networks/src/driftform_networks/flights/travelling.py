@@ -1,11 +1,13 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import chain, product
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -33,6 +35,9 @@ MIN_SPEED = 0.005
 
 SLOPES = (-0.5, -0.15, -0.05, 0.0, 0.05, 0.15, 0.5)
 """Slopes of these flights, rise over length; a pipe takes the nearest."""
+
+Task: TypeAlias = StraightTask | TeeTask
+"""Flights to make."""
 
 _Outlet: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
 """An outlet, and the flights that stand for the path into it, with weights of the sum 1."""
@@ -95,15 +100,11 @@ class Traveling:
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
 
-    def list_straights(self, snapshot: Snapshot) -> Iterator[StraightTask]:
-        """Yield the flights through straight pipes that a snapshot needs."""
+    def list_tasks(self, snapshot: Snapshot) -> Iterator[Task]:
+        """Yield the flights through straight pipes and fittings that a snapshot needs."""
         for link in range(len(snapshot.links)):
             if self._needs_flights(snapshot, link):
                 yield self._find_straight(snapshot, link)
-
-    def list_tees(self, snapshot: Snapshot) -> Iterator[TeeTask]:
-        """Yield the flights through fittings that a snapshot needs."""
-        for link in range(len(snapshot.links)):
             yield from (task for _, task, _ in self._list_bends(snapshot, link))
             outlets, _ = self._find_outlets(snapshot, link, self._describe(snapshot, link))
             yield from (task for _, tasks in outlets for task, _ in tasks if not _is_whole(task))
@@ -115,6 +116,11 @@ class Traveling:
         retained = self._traveller.width >= snapshot.network.offtakes
         return Routing(snapshot, [one for one, _ in made], [table for _, table in made], MIXED, retained)
 
+    def find_barrier(self, network: Network, index: int) -> tuple[str, str, float]:
+        """Return why the body cannot pass a link, or else what it passes, in a few words, and the opening, m."""
+        obstacle, gate, opening = find_gate(self._travel.clearance, self._traveller.agent.body, network, index)
+        return obstacle or (self._find_bend(network, index) if network.is_pipe[index] else ""), gate, opening
+
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
         is_pipe = network.is_pipe[index]
@@ -124,10 +130,7 @@ class Traveling:
     def _find_straight(self, snapshot: Snapshot, link: int, share: float = 1.0) -> StraightTask:
         """Return the flights through a straight pipe that stand for a link, with a share of its water."""
         network, index = snapshot.network, snapshot.links[link]
-        ends = [snapshot.tail[link], snapshot.head[link]]
-        slope = 0.0
-        if all(network.node_kinds[node] == "junction" for node in ends):
-            slope = float(np.diff(network.elevation[ends])[0] / network.length[index])
+        slope = float(network.slopes[index]) * (1 if snapshot.tail[link] == network.start[index] else -1)
         return StraightTask(
             self._traveller,
             self._folder,
@@ -138,9 +141,7 @@ class Traveling:
 
     def _transfer(self, snapshot: Snapshot, link: int) -> TransferTable:
         network, index = snapshot.network, int(snapshot.links[link])
-        obstacle, gate = find_gate(self._travel.clearance, self._traveller.agent.body, network, index)
-        if network.is_pipe[index]:
-            obstacle = obstacle or self._find_bend(network, index)
+        obstacle, gate, _ = self.find_barrier(network, index)
         if obstacle:
             return TransferTable(np.zeros((BANDS, BANDS)), np.ones(BANDS), obstacle)
         if not self._needs_flights(snapshot, link):
@@ -305,36 +306,19 @@ def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot],
 
     Raises WorkFailedError if a body cannot be flown, or workers die again and again.
     """
-    cases = list(product(travelings, snapshots))
+    needed = chain.from_iterable(traveling.list_tasks(snap) for traveling, snap in product(travelings, snapshots))
+    missing = [task for path, task in {task.path: task for task in needed}.items() if not path.is_file()]
     # Flights through tees begin where those through straight pipes end.
-    stages = [
-        _find_missing(task for traveling, snap in cases for task in traveling.list_straights(snap)),
-        _find_missing(task for traveling, snap in cases for task in traveling.list_tees(snap)),
-    ]
-    total = sum(map(len, stages))
-    if not total:
+    stages = [[task for task in missing if isinstance(task, kind)] for kind in (StraightTask, TeeTask)]
+    if not (total := len(missing)):
         return
     from driftform import load_study
     from driftform.search import open_executor
 
-    with progress.count_progress("flight tables") as show:
+    with progress.count_progress("flight tables") as show, ExitStack() as stack:
+        call: Callable[[Sequence[Task]], Iterable[Any]] = partial(map, operator.call)
+        if min(workers, total) > 1:
+            call = stack.enter_context(open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers)).call
         show(0, total)
-        if workers == 1 or total == 1:
-            for done, task in enumerate(chain.from_iterable(stages), start=1):
-                task()
-                show(done, total)
-            return
-        with open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers) as executor:
-            size, done = 4 * workers, 0
-            for tasks in stages:
-                for start in range(0, len(tasks), size):
-                    part = tasks[start : start + size]
-                    executor.call(part)
-                    done += len(part)
-                    show(done, total)
-
-
-def _find_missing(wanted: Iterable[StraightTask | TeeTask]) -> list[StraightTask | TeeTask]:
-    """Return the tasks whose results are not on disk, each once."""
-    tasks = {task.path: task for task in wanted}
-    return [task for path, task in tasks.items() if not path.is_file()]
+        for done, _ in enumerate(chain.from_iterable(map(call, stages)), start=1):
+            show(done, total)

@@ -128,8 +128,8 @@ def solve(file: str, changes: dict[str, Any]) -> dict[str, Any]:
     flow, outflow, head = map(np.array, zip(*states, strict=True))
     return found | {
         "hydraulics.times": np.array(times, float),
-        "hydraulics.end": np.array(float(time)),
-        "hydraulics.clock": np.array(float(project("gettimeparam", _CLOCK))),
+        "hydraulics.end": float(time),
+        "hydraulics.clock": float(project("gettimeparam", _CLOCK)),
         "hydraulics.flow": flow,
         "hydraulics.outflow": outflow,
         "hydraulics.head": head,

@@ -15,7 +15,7 @@ import numpy as np
 
 from driftform.errors import InputError, did_you_mean
 from driftform.util import files, foreign, progress
-from driftform_networks.cache import Arrays, find_cache, hash_content, load_arrays, save_arrays
+from driftform_networks.cache import find_cache, hash_content, keep_result
 from driftform_networks.hydraulics.engine import solve
 from driftform_networks.hydraulics.network import Hydraulics, Network
 
@@ -77,7 +77,7 @@ def split_option(option: str, text: str, words: Sequence[str] = ()) -> tuple[str
     return name, number
 
 
-def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
+def run_epanet(path: Path, changes: Changes | None = None) -> dict[str, Any]:
     """Return the results of EPANET for a file: the arrays of :mod:`driftform_networks.hydraulics.engine`.
 
     EPANET reads a copy in a temporary folder, in UTF-8, and leaves nothing behind.
@@ -96,7 +96,7 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
         shown.start()
         try:
             values = asdict(changes or Changes())
-            found: Arrays = foreign.call_apart(solve, copy, values, seconds=SECONDS, memory=MEMORY)
+            found: dict[str, Any] = foreign.call_apart(solve, copy, values, seconds=SECONDS, memory=MEMORY)
             if not _UNITS.search(text):
                 warnings = found["hydraulics.warnings"].tolist()
                 found["hydraulics.warnings"] = np.array([*warnings, _NO_UNITS], np.str_)
@@ -169,12 +169,9 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
     content = [hashlib.sha256(path.read_bytes()).hexdigest(), _FORMAT, asdict(changes or Changes())]
     digest = hash_content({"network": content})
     stored = find_cache(cache) / f"{digest}.npz"
-    if (arrays := load_arrays(stored)) is None:
-        arrays = run_epanet(path, changes)
-        save_arrays(stored, arrays)
     values: dict[str, Any] = {
-        key: tuple(array.tolist()) if array.dtype.kind == "U" else array if array.ndim else array.item()
-        for key, array in arrays.items()
+        key: tuple(value.tolist()) if np.asarray(value).dtype.kind == "U" else value
+        for key, value in keep_result(stored, dict[str, Any], lambda: run_epanet(path, changes)).items()
     }
     corners = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
     flows = {key: values.pop(f"hydraulics.{key}") for key in Hydraulics.__dataclass_fields__}

@@ -1,6 +1,6 @@
 """A water network, the flows that EPANET computes for it, and its flow at one moment, directed downstream."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -123,9 +123,20 @@ class Network:
         return np.isin(self.link_kinds, ("pipe", "cv"))
 
     @cached_property
+    def slopes(self) -> FloatArray:
+        """Rise over length of each link, from its start to its end; 0 at tanks and reservoirs, and without a length, (links,)."""
+        rise = self.elevation[self.end] - self.elevation[self.start]
+        known = (self.length > 0) & ~self.stores[self.start] & ~self.stores[self.end]
+        return np.where(known, rise, 0.0) / np.where(known, self.length, 1.0)
+
+    @cached_property
     def stores(self) -> BoolArray:
         """Whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,)."""
         return np.array([kind != "junction" for kind in self.node_kinds])
+
+    def find_speeds(self, steps: Iterable[int]) -> FloatArray:
+        """Return the mean speeds of the water in the pipes in some steps, m/s, 0 in other links, (steps, links)."""
+        return np.asarray(np.abs(self.hydraulics.flow[list(steps)]) / np.where(self.is_pipe, self.area, np.inf))
 
     def find_pressures(self, steps: Sequence[int]) -> FloatArray:
         """Return the pressures of junctions that deliver water in some steps, m, infinite elsewhere, (steps, nodes)."""
@@ -299,8 +310,7 @@ def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> 
 def warn_of_model(network: Network, steps: Sequence[int]) -> list[str]:
     """Return warnings: those of EPANET, and of absurd bores, speeds and pressures in some hydraulic steps, with the worst of them."""
     rows, is_pipe, bores = list(steps), network.is_pipe, network.diameter
-    speeds = np.abs(network.hydraulics.flow[rows]).max(axis=0) / np.where(is_pipe, network.area, np.inf)
-    pressures = network.find_pressures(rows)
+    speeds, pressures = network.find_speeds(rows).max(axis=0), network.find_pressures(rows)
     hour = network.hydraulics.times[rows[int(pressures.min(axis=1).argmin())]] / 3600
     negative = (
         f"EPANET finds a negative pressure at {{}} junctions that deliver water, the lowest at hour {hour:g}: {{}}: there its flows "

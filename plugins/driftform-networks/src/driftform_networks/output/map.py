@@ -43,39 +43,33 @@ class Mark:
 
 def passage_svg(passage: Passage, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places."""
-    shares, network = np.where(passage.reachable, passage.seen, np.nan), passage.network
-    marks = [Mark(passage.release, network.nodes[passage.release], style.VERMILLION), *_choose_times(passage)]
-    return network_svg(network, shares, marks, title, subtitle, passage.stuck, page=page)
+    shares, marks = np.where(passage.reachable, passage.seen, np.nan), _choose_times(passage)
+    return network_svg(passage.network, shares, [passage.release], marks, title, subtitle, passage.stuck, page=page)
 
 
 def fleet_svg(fleet: Fleet, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a fleet: the probability that any member sees a link, and where members are stuck."""
-    network, size = fleet.network, len(fleet.members)
-    shares = np.where(fleet.reachable, fleet.seen, np.nan)
-    stuck = [replace(end, probability=end.probability / size) for end in fleet.stuck]
-    nodes = dict.fromkeys(member.passage.release for member in fleet.members)
-    marks = [Mark(node, network.nodes[node], style.VERMILLION) for node in nodes]
+    shares, releases = np.where(fleet.reachable, fleet.seen, np.nan), [one.passage.release for one in fleet.members]
+    stuck = [replace(end, probability=end.probability / len(releases)) for end in fleet.stuck]
     legend = "probability that the fleet sees the link"
-    return network_svg(network, shares, marks, title, subtitle, stuck, legend, page)
+    return network_svg(fleet.network, shares, releases, [], title, subtitle, stuck, legend, page)
 
 
 def plan_svg(plan: Plan, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a plan: what bodies see until nets catch them, the releases, and the nets."""
-    network = plan.network
-    shares = np.where(plan.reachable, plan.seen, np.nan)
-    texts = {name: (name, style.VERMILLION) for _, name, _ in plan.members}
-    texts |= {
-        name: (f"net {name}: {100 * share:.0f} %", style.ORANGE)
+    shares, find = np.where(plan.reachable, plan.seen, np.nan), plan.network.find_node
+    nets = [
+        Mark(find(name), f"net {name}: {100 * share:.0f} %", style.ORANGE)
         for name, share in zip(plan.nets, plan.catches, strict=True)
-    }
-    marks = [Mark(network.find_node(name), *text) for name, text in texts.items()]
-    legend = "probability that any body sees the link"
-    return network_svg(network, shares, marks, title, subtitle, (), legend, page)
+    ]
+    releases, legend = [find(name) for _, name, _ in plan.members], "probability that any body sees the link"
+    return network_svg(plan.network, shares, releases, nets, title, subtitle, (), legend, page)
 
 
 def network_svg(
     network: Network,
     shares: FloatArray,
+    releases: Sequence[int],
     marks: Sequence[Mark],
     title: str,
     subtitle: str,
@@ -83,10 +77,13 @@ def network_svg(
     legend: str = "share of the link that is seen, on average",
     page: style.Page = style.SCREEN,
 ) -> str:
-    """Return a map of a network: values of links, from 0 to 1, NaN out of reach, texts at nodes, and crosses.
+    """Return a map of a network: values of links, from 0 to 1, NaN out of reach, names of releases, texts at nodes, and crosses.
 
     Raises InputError if the network has no coordinates.
     """
+    taken = {mark.node for mark in marks}
+    named = (Mark(node, network.nodes[node], style.VERMILLION) for node in dict.fromkeys(releases) if node not in taken)
+    marks = [*named, *marks]
     points = np.vstack([network.places, *network.vertices])
     if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
         raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")

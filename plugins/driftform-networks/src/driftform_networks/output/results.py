@@ -34,16 +34,17 @@ _MAX_NAME = 30
 """Characters of an agent's name in a table."""
 
 MAX_ROWS = 8
-"""Rows of a table on the screen; all are in the files of ``--tables``, and in the JSON document."""
+"""Rows of a table on the screen if it names no other number; all are in the files of ``--tables``, and in the JSON document."""
 
 
 class TextTable(NamedTuple):
-    """A table for people: what it says, a header, rows of text, and the columns that are flush right."""
+    """A table for people: what it says, a header, rows of text, the columns that are flush right, and most rows on the screen."""
 
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
     right: Sequence[int] = ()
+    most: int = MAX_ROWS
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,16 +175,8 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, travellers: Sequence[
         TextTable("Release these bodies", ("number", "agent", "release", "hour", "time"), rows, (0, 3)),
         TextTable("Place these nets", ("net at", "catches %", "mean age", "time of the first release"), caught, (1,)),
     ]
-    percent = {key: f"{100 * document[key]:.1f} %" for key in ("caught", "coverage", "coverage_with_nets", "recorded")}
-    lines = [
-        f"{len(plan.members)} bodies see {percent['coverage']} of the {document['reachable_length'] / 1000:.1f} km that water "
-        f"from the releases reaches; {percent['coverage_with_nets']} if nets catch them",
-        f"nets catch {percent['caught']} of the bodies, which have seen {percent['recorded']}",
-        f"share of what nets everywhere could yield: these {100 * plan.value:.1f} %, the best {len(plan.nets)} at most "
-        f"{100 * plan.bound:.1f} %, random ones {100 * plan.random:.1f} %",
-        f"without nets, {word_ends(plan.ends, len(plan.members))}",
-        word_passings(plan.passings),
-    ]
+    words = {"ends": word_ends(plan.ends, len(plan.members)), "passings": word_passings(plan.passings)}
+    lines = list_lines("plan.txt", **document, **words)
     figure = partial(plan_svg, plan, title, lines[1])
     chosen = [one for one in travellers if one.name in {name for name, _, _ in plan.members}]
     outputs.present(plan, title, document, lines, tables, figure, chosen)
@@ -221,17 +214,9 @@ def present_passage(passage: Passage, title: str, outputs: Outputs, body: Travel
 def present_fleet(fleet: Fleet, title: str, outputs: Outputs, travellers: Sequence[Traveller]) -> None:
     """Write the files of a fleet, and print it."""
     document, size = fleet.as_document(), len(fleet.members)
-    kilometres = document["reachable_length"] / 1000
-    lines = [
-        f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km that water from the releases reaches",
-        f"{100 * fleet.gap_closed:.1f} % of the gap from point tracers to perfect steering is closed",
-        word_ends((end for member in fleet.members for end in member.passage.ends), size),
-        word_passings(member.passage.passings for member in fleet.members),
-    ]
-    if fleet.coverage <= fleet.retained[-1] + 1e-9:
-        lines.insert(
-            2, "shape brings nothing here: bodies that divide like the water, and never leave with it, see as much"
-        )
+    ends = word_ends((end for member in fleet.members for end in member.passage.ends), size)
+    passings = word_passings(member.passage.passings for member in fleet.members)
+    lines = list_lines("fleet.txt", **document, ends=ends, passings=passings)
     chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
     figure = partial(fleet_svg, fleet, title, lines[0])
     saved = [] if outputs.agents is None else save_agents(chosen, outputs.agents)
@@ -247,9 +232,14 @@ def present(document: Mapping[str, Any], text: Sequence[str | TextTable], writte
         if isinstance(part, str):
             output.print_text(part)
             continue
-        output.print_table(part.header, part.rows[:MAX_ROWS], part.right)
-        if len(part.rows) > MAX_ROWS:
-            output.print_text(f"and {len(part.rows) - MAX_ROWS} more")
+        output.print_table(part.header, part.rows[: part.most], part.right)
+        if len(part.rows) > part.most:
+            output.print_text(f"and {len(part.rows) - part.most} more")
+
+
+def list_lines(template: str, **values: Any) -> list[str]:
+    """Return the lines of a template without empty ones."""
+    return list(filter(None, svg.fill_template(__package__, template, **values).splitlines()))
 
 
 def word_passings(passings: Iterable[Mapping[int, str]]) -> str:

@@ -9,7 +9,7 @@ from driftform.figures import style
 from driftform_networks.flights.fits import read_gates
 from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot, warn_of_model
 from driftform_networks.output.map import Mark, network_svg
-from driftform_networks.output.results import Outputs, TextTable, present
+from driftform_networks.output.results import Outputs, TextTable, list_lines, present
 from driftform_networks.passages.passage import find_loops
 
 _ROUNDING = 1e-9
@@ -20,25 +20,12 @@ def show_network(network: Network, hour: float, outputs: Outputs) -> None:
     """Print the facts of a network, and draw its map on request."""
     snapshot = take_snapshot(network, hour, absurd=True)
     facts = describe_network(network, snapshot)
-    narrow, wide = (1000 * bore for bore in facts["bore"])
-    scale = "drawn to scale" if facts["to_scale"] else "not drawn to scale: angles are not those of the pipes"
-    names = {kind: gate.name for kind, gate in read_gates().items()}
-    rows = [
-        ("nodes", ", ".join(f"{count} {kind}s" for kind, count in facts["nodes"].items())),
-        ("links", ", ".join(f"{count} {names.get(kind, kind)}s" for kind, count in facts["links"].items())),
-        ("pipes", f"{facts['length'] / 1000:.2f} km, bore {narrow:.0f} to {wide:.0f} mm"),
-        ("simulation", f"{facts['duration'] / 3600:g} h in {facts['steps']} hydraulic steps"),
-        ("reversals", f"the flow of {facts['reversing']} links changes its direction"),
-        ("map", scale),
-        (f"hour {hour:g}", f"{facts['flowing']} links flow, at a median of {facts['speed']:.2f} m/s"),
-        ("", f"{facts['splitting']} nodes divide the flow; {facts['looping']} lie in loops of flow"),
-    ]
     supply = [
         (name, network.node_kinds[network.nodes.index(name)], f"{1000 * flow:.1f}")
         for name, flow in facts["supply"].items()
     ]
-    text: list[str | TextTable] = [network.name]
-    text += [f"  {name:10}  {value}" for name, value in rows]
+    names = {kind: gate.name for kind, gate in read_gates().items()}
+    text: list[str | TextTable] = [*list_lines("show.txt", **facts, names=names)]
     text += [TextTable("Where water comes from", ("water comes from", "kind", "litres/s"), supply, (2,))]
     text += warn_of_model(network, range(len(network.hydraulics.times)))
     present(facts, text, outputs.write_map(partial(_draw, network, snapshot, hour)), outputs.json)
@@ -53,7 +40,7 @@ def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -
     title = f"{network.name} at hour {hour:g}"
     subtitle = f"{len(network.nodes)} nodes, {network.length.sum() / 1000:.1f} km of pipe"
     legend = f"speed of the water, relative to {fastest:.2f} m/s"
-    return network_svg(network, shares, sources, title, subtitle, legend=legend, page=page)
+    return network_svg(network, shares, [], sources, title, subtitle, legend=legend, page=page)
 
 
 def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:

@@ -182,12 +182,12 @@ def make_passage(
     return Passage(network, release, hour, *arrivals, seen, reachable, merge_ends(ends), **more)
 
 
-def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
-    """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,).
+def find_reachable(network: Network, release: int, steps: Sequence[int], passes: BoolArray | bool = True) -> BoolArray:
+    """Return whether water of a node may reach each link by the flows of some hydraulic steps, where it ``passes``, (links,).
 
     Other sources and tanks end its route: what comes out of them is their water.
     """
-    flow = network.hydraulics.flow[list(steps)]
+    flow = network.hydraulics.flow[list(steps)] * passes
     forward, backward = (flow > STILL).any(axis=0), (flow < -STILL).any(axis=0)
     tails = np.concatenate([network.start[forward], network.end[backward]])
     heads = np.concatenate([network.end[forward], network.start[backward]])

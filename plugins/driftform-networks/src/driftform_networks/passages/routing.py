@@ -118,7 +118,7 @@ _STRAIGHT = TransferTable(np.ones((1, 1)), np.ones(1))
 _BLOCKED = TransferTable(np.zeros((1, 1)), np.ones(1), "before a pump or valve that lets no body pass")
 
 
-def route_tracers(snapshot: Snapshot, retained: bool = False, blocked: Collection[int] = ()) -> Routing:
+def route_tracers(snapshot: Snapshot, retained: BoolArray | bool = False, blocked: Collection[int] = ()) -> Routing:
     """Return the tables of point tracers: water mixes completely at each node, as EPANET assumes.
 
     Tracers that are ``retained`` do not leave with the demand of a node from which water flows on; at a dead end they do.

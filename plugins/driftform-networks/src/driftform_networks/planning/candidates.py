@@ -21,14 +21,11 @@ BUOYANCIES = (0.0, 0.001, -0.001)
 USUAL = "sphere:60mm"
 """The agent where none is named."""
 
-FROM_RUN = 4
-"""Number of agents of a run by default: the flights of each take minutes."""
-
 
 def collect_candidates(
     agents: Sequence[str],
     run: Path | None,
-    count: int | None,
+    count: int,
     buoyancies: Sequence[float] | None,
     scenario: str | None = None,
     settings: Sequence[str] = (),
@@ -37,7 +34,7 @@ def collect_candidates(
 
     Args:
         agents: AGENT as every command takes it, or spheres; :data:`USUAL` if there is no run either.
-        run: run from which ``count`` agents are taken besides; ``None`` for the default number.
+        run: run from which ``count`` agents are taken besides.
         buoyancies: net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
         scenario, settings: as for :func:`driftform_networks.flights.bodies.open_traveller`.
 
@@ -46,7 +43,7 @@ def collect_candidates(
     environment = scenario or str(SCENARIO)
     designs: list[Design | str] = list(agents or ([] if run else [USUAL]))
     if run is not None:
-        designs += pick_agents(run, count or FROM_RUN, environment, settings)
+        designs += pick_agents(run, count, environment, settings)
     found, refused = [], []
     for design in designs:
         for buoyancy in [None] if buoyancies is None else buoyancies:

@@ -17,9 +17,6 @@ from driftform_networks.passages.passage import Passage, find_reachable, follow
 from driftform_networks.passages.routing import Routing, route_tracers
 from driftform_networks.passages.walkers import Walks, measure_quantiles, summarise_walks, walk
 
-WALKS = 2000
-"""Walks by default."""
-
 
 @dataclass(frozen=True)
 class How:
@@ -40,7 +37,7 @@ class How:
     """
 
     steady: bool = False
-    walks: int = WALKS
+    walks: int = 2000
     seed: int = 0
     within: float | None = None
     demand_error: float = 0.1
