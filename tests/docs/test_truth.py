@@ -4,7 +4,6 @@ import os
 import re
 import shlex
 from pathlib import Path
-from typing import Any
 
 import pytest
 import typer
@@ -19,9 +18,9 @@ SOURCE = re.compile(r"(?<![\w/(])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
 
-def command_lines(pages: dict[str, str], blocks: list[Any]) -> list[tuple[str, str]]:
+def command_lines(pages, blocks):
     """Every command line of the pages: lines of console and text blocks, and inline code."""
-    found: list[tuple[str, str]] = []
+    found = []
     for block in blocks:
         if block.language in ("console", "sh", "bash", "shell"):
             text = block.text.replace("\\\n", " ")
@@ -32,9 +31,9 @@ def command_lines(pages: dict[str, str], blocks: list[Any]) -> list[tuple[str, s
     return found
 
 
-def parse(words: list[str]) -> None:
+def parse(words):
     """Parse a command line down to the command, without running it."""
-    command: Any = typer.main.get_command(app)
+    command = typer.main.get_command(app)
     context, name = None, "driftform"
     while True:
         context = command.make_context(name, list(words), parent=context)
@@ -44,7 +43,7 @@ def parse(words: list[str]) -> None:
         name, command, words = command.resolve_command(context, words)
 
 
-def test_every_table_has_a_heading_and_rows_of_as_many_columns(pages: dict[str, str]) -> None:
+def test_every_table_has_a_heading_and_rows_of_as_many_columns(pages):
     wrong = []
     for name, text in pages.items():
         tables = re.findall(r"(?m)^(.*)\n( *\|(?:-+\|)+)\n((?: *\|.*\n?)*)", text)
@@ -58,7 +57,7 @@ def test_every_table_has_a_heading_and_rows_of_as_many_columns(pages: dict[str, 
 
 
 @pytest.mark.peers
-def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
+def test_commands_exist(prose, blocks):
     lines = command_lines(prose, blocks)
     assert len(lines) >= 15
     wrong = []
@@ -79,13 +78,13 @@ def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
     assert wrong == []
 
 
-def test_what_the_command_check_refuses() -> None:
+def test_what_the_command_check_refuses():
     for line in ("evolve --nonsense", "evolv", "plugins shw lsystem", "sample --count many --out d"):
         with pytest.raises(Exception, match=r"No such|nonsense|valid|many"):
             parse(line.split())
 
 
-def test_relative_links_resolve(docs: Path, prose: dict[str, str]) -> None:
+def test_relative_links_resolve(docs, prose):
     anchors = {name: {anchor(line) for line in headings(text)} for name, text in prose.items()}
     wrong = []
     for name, text in prose.items():
@@ -101,53 +100,53 @@ def test_relative_links_resolve(docs: Path, prose: dict[str, str]) -> None:
     assert wrong == []
 
 
-def headings(text: str) -> list[str]:
+def headings(text):
     return re.findall(r"^#+ (.+)$", text, re.MULTILINE)
 
 
-def anchor(heading: str) -> str:
+def anchor(heading):
     """The anchor that GitHub gives a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
-def test_every_page_is_in_the_index(pages: dict[str, str]) -> None:
+def test_every_page_is_in_the_index(pages):
     for name in pages:
         index = "plugins.md" if name.startswith("plugins/") else "index.md"
         assert name == "index.md" or f"({name})" in pages[index], f"{index} does not link {name}"
 
 
 @pytest.mark.parametrize("page", ["dataflow.md", "write-a-plugin.md"])
-def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
+def test_every_hook_is_documented(page, pages):
     assert [hook for hook in HOOKS if f"`{hook}`" not in pages[page]] == []
 
 
 @pytest.mark.peers
-def test_every_built_in_scenario_is_on_the_page_of_study_files(pages: dict[str, str]) -> None:
+def test_every_built_in_scenario_is_on_the_page_of_study_files(pages):
     from driftform.study.sources import read_scenarios
 
     section = pages["study-files.md"].partition("## Built-in scenarios")[2].partition("\n## ")[0]
     assert set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE)) == set(read_scenarios())
 
 
-def test_every_contract_is_documented(pages: dict[str, str]) -> None:
+def test_every_contract_is_documented(pages):
     from driftform import testing
 
     assert [name for name in testing.__all__ if f"`{name}`" not in pages["write-a-plugin.md"]] == []
 
 
-def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
+def test_no_page_names_a_hook_that_is_not(pages):
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
         packages = {"lsystem", "frusta", "striptheory", "exudyn", "networks", "paper", "dwell"}
         assert {f"driftform_{s}" for s in seams if s not in packages} <= set(HOOKS), name
 
 
-def test_no_page_holds_a_path_of_a_machine(pages: dict[str, str]) -> None:
+def test_no_page_holds_a_path_of_a_machine(pages):
     for name, text in pages.items():
         assert not re.search(r"(?<![\w.])/(work|home|root|tmp|Users)/", text), name
 
 
-def test_source_files_that_the_pages_name_exist(pages: dict[str, str], blocks: list[Any]) -> None:
+def test_source_files_that_the_pages_name_exist(pages, blocks):
     examples = [block.file for block in blocks if block.file]
     named = {(page, path) for page, text in pages.items() for path in re.findall(SOURCE, text)}
     assert len(named) > 10
@@ -156,7 +155,7 @@ def test_source_files_that_the_pages_name_exist(pages: dict[str, str], blocks: l
 
 
 @pytest.mark.peers
-def test_runnable_python_runs(blocks: list[Any]) -> None:
+def test_runnable_python_runs(blocks):
     runnable = [block for block in blocks if block.language == "python" and "runnable" in block.words]
     assert len(runnable) >= 4
     for block in runnable:
@@ -164,17 +163,17 @@ def test_runnable_python_runs(blocks: list[Any]) -> None:
         exec(code, {"__name__": "__docs__"})
 
 
-def test_python_is_runnable_or_a_file(blocks: list[Any]) -> None:
+def test_python_is_runnable_or_a_file(blocks):
     loose = [str(b) for b in blocks if b.language == "python" and not b.file and "runnable" not in b.words]
     assert loose == []
 
 
-def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
+def test_options_that_the_pages_name_exist(prose):
     """``grammar.occupied`` and the like, in inline code, with their value if one is given."""
     from driftform.plugins.registry import registry
     from driftform.study import load_study
 
-    tables: dict[str, set[str]] = {}
+    tables = {}
     for scenario in ("paper", "pipe-inspection"):
         for name, table in load_study(scenario, run={"seed": 0}).document.items():
             if isinstance(table, dict):
@@ -201,7 +200,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     assert wrong == []
 
 
-def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
+def test_constants_of_the_contact_are_as_told(pages):
     from driftform.motion.forces import bore, impact
 
     section = pages["physics.md"].partition("## Contact with the wall")[2]
@@ -210,7 +209,7 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
     assert f"below about {bore.SINE_SMOOTHING:g}" in section
 
 
-def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
+def test_constants_of_runs_are_as_told(pages):
     from driftform.runs import compression
     from driftform.search import jobs as execution
 
@@ -222,7 +221,7 @@ def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
     assert execution.STARTS == 5 and "five in a row for each process" in pages["running.md"]
 
 
-def test_farthest_distances_are_as_told(pages: dict[str, str]) -> None:
+def test_farthest_distances_are_as_told(pages):
     import numpy as np
 
     from driftform.study import load_study

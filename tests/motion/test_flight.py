@@ -155,13 +155,9 @@ def test_past_the_outlet_no_wall_is_touched():
 # How the energy drifts.
 
 
-def with_drag(agent):
-    strips = np.array([[0.0, 0.02, 0.1, 1.0]])
-    return replace(agent, coefficients=replace(agent.coefficients, drag=Drag(strips)))
-
-
-def with_axial_drag_alone(agent):
-    return replace(agent, coefficients=replace(agent.coefficients, drag=Drag(np.empty((0, 4)), ahead=1e-4)))
+def with_drag(drag):
+    agent = tumbling_agent()
+    return replace(agent, coefficients=replace(agent.coefficients, drag=drag))
 
 
 def test_the_energy_of_a_tumbling_body_is_kept_in_still_and_in_moving_water():
@@ -204,8 +200,8 @@ def test_energy_drifts_up_to_the_contact_only():
     ("agent", "flow"),
     [
         (tumbling_agent(damped=True), UniformFlow(speed=1.0)),
-        (with_drag(tumbling_agent()), UniformFlow(speed=1.0)),
-        (with_axial_drag_alone(tumbling_agent()), UniformFlow(speed=1.0)),
+        (with_drag(Drag(np.array([[0.0, 0.02, 0.1, 1.0]]))), UniformFlow(speed=1.0)),
+        (with_drag(Drag(np.empty((0, 4)), ahead=1e-4)), UniformFlow(speed=1.0)),
         (tumbling_agent(), LogLawFlow(speed=1.0)),
         (tumbling_agent(), TurbulentFlow(speed=1.0)),
     ],

@@ -2,7 +2,6 @@
 
 import importlib.util
 import re
-from collections.abc import Callable
 from importlib import metadata
 
 import pytest
@@ -11,10 +10,8 @@ from driftform.builtin.fitness import ClosestApproach
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import SEAMS
 from driftform.plugins.discovery import GROUP
-from driftform.plugins.registry import Contribution, Registry, registry
+from driftform.plugins.registry import Registry, registry
 from driftform.study import load_study
-
-Install = Callable[..., Registry]
 
 SOUND = """
 from driftform import hookimpl
@@ -49,17 +46,17 @@ def driftform_fitness():
 
 
 @pytest.fixture
-def install(install: Callable[..., None]) -> Install:
+def install(install):
     """Install modules as distributions, and return a registry that has looked for them."""
 
-    def installed(**sources: str) -> Registry:
+    def installed(**sources):
         install(**sources)
         return Registry()
 
     return installed
 
 
-def row(found: Registry, name: str) -> Contribution:
+def row(found, name):
     (only,) = [row for row in found.contributions() if row.name == name]
     return only
 
@@ -212,7 +209,7 @@ CHECKED = """low: float = option(2.0, "", "m", ge=0, le=9)
 """The body of options that a check of their own judges."""
 
 
-def state_of(install: Install, body: str, base: str = "Table", seam: str = "fitness") -> str:
+def state_of(install, body, base="Table", seam="fitness"):
     source = OPTIONS.format(seam=seam, interface=SEAMS[seam].__name__, base=base, body=body)
     return row(install(ext_options=source), "ext_options").state
 

@@ -8,47 +8,41 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.errors import InputError
 from driftform.search.cluster import Cluster
-from driftform.search.jobs import ATTEMPTS, Job, Outcome, WorkerDiedError, WorkersLostError
+from driftform.search.jobs import ATTEMPTS, Job, WorkerDiedError, WorkersLostError
 from driftform.search.local import InProcess, LocalProcesses
-from driftform.search.pool import Executor
 from driftform.study import Study, load_study
-from driftform.types import Evaluation
 from driftform.util.files import remove_parts
-
-Make = Callable[[Study], Executor]
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("fakes")]
 
 COUNT = 24
 
 
-def study_of(timeout: float = 60.0, **options: Any) -> Study:
+def study_of(timeout=60.0, **options):
     settings = [f"simulator.{key}={json.dumps(value)}" for key, value in options.items()]
     settings.append(f"run.evaluation_timeout={timeout}")
     return load_study("paper", settings, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 1})
 
 
 @pytest.fixture(scope="module")
-def jobs() -> list[Job]:
+def jobs():
     grammar = load_study("paper").make_plugin("grammar")
     rng = np.random.default_rng(5)
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
 
 @pytest.fixture(params=["local", pytest.param("dask", marks=pytest.mark.peers)])
-def make(request: pytest.FixtureRequest) -> Make:
+def make(request):
     """Makes an executor with two workers: local processes, or those of a running cluster."""
     if request.param == "local":
         return lambda study: LocalProcesses(study.document, 2)
@@ -56,28 +50,28 @@ def make(request: pytest.FixtureRequest) -> Make:
     return lambda study: Cluster(study.document, address)
 
 
-def workers_of(executor: Executor) -> list[int]:
+def workers_of(executor):
     """The processes that evaluate."""
     if isinstance(executor, Cluster):
         return list(executor._client.run(os.getpid).values())
     return [child.pid or 0 for child in multiprocessing.active_children()]
 
 
-def number(genome: Any) -> float:
+def number(genome):
     from driftform_fake import number
 
     return float(number(genome))
 
 
-def collect(outcomes: Iterable[Sequence[Outcome]]) -> dict[int, Evaluation]:
-    found: dict[int, Evaluation] = {}
+def collect(outcomes):
+    found = {}
     for index, evaluation in chain.from_iterable(outcomes):
         assert index not in found, "an outcome arrived twice"
         found[index] = evaluation
     return found
 
 
-def assert_same(a: dict[int, Evaluation], b: dict[int, Evaluation]) -> None:
+def assert_same(a, b):
     assert a.keys() == b.keys()
     for index, left in a.items():
         right = b[index]
@@ -88,7 +82,7 @@ def assert_same(a: dict[int, Evaluation], b: dict[int, Evaluation]) -> None:
             assert left.trajectory.position.tobytes() == right.trajectory.position.tobytes()
 
 
-def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> None:
+def test_workers_find_what_this_process_finds(jobs, make):
     study = study_of()
     here = collect(InProcess(study.make_pipeline()).evaluate(jobs))
     with closing(make(study)) as executor:
@@ -108,9 +102,7 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
     ],
     ids=["killed", "endless"],
 )
-def test_a_genome_that_kills_its_process_or_never_ends_fails_and_all_others_are_evaluated(
-    jobs: list[Job], make: Make, options: dict[str, float], reason: str
-) -> None:
+def test_a_genome_that_kills_its_process_or_never_ends_fails_and_all_others_are_evaluated(jobs, make, options, reason):
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
@@ -125,7 +117,7 @@ def test_a_genome_that_kills_its_process_or_never_ends_fails_and_all_others_are_
             assert_same({index: evaluation}, {index: sound[index]})
 
 
-def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_path: Path) -> None:
+def test_a_process_that_dies_once_is_forgiven(jobs, make, tmp_path):
     options = {"die": 0.08, "die_once": str(tmp_path)}
     with closing(make(study_of(**options))) as executor:
         outcomes = collect(executor.evaluate(jobs))
@@ -134,9 +126,9 @@ def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_p
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job], make: Make) -> None:
+def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs, make):
     study = study_of(pause=0.05)
-    found: dict[int, Evaluation] = {}
+    found = {}
     with closing(make(study)) as executor:
         for index, evaluation in chain.from_iterable(executor.evaluate(jobs)):
             if not found:
@@ -160,9 +152,7 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job], mak
         ("SIGKILL", "its process was killed 5 times (SIGKILL), from outside or for want of memory"),
     ],
 )
-def test_a_genome_that_ends_its_process_by_a_signal_fails_with_the_signal(
-    jobs: list[Job], name: str, reason: str
-) -> None:
+def test_a_genome_that_ends_its_process_by_a_signal_fails_with_the_signal(jobs, name, reason):
     [guilty] = sorted((job for job in jobs if number(job.genome) < 0.08), key=lambda job: job.index)[:1]
     innocent = next(job for job in jobs if number(job.genome) > 0.5)
     with closing(LocalProcesses(study_of(die=0.08, signal=name).document, 1)) as executor:
@@ -171,7 +161,7 @@ def test_a_genome_that_ends_its_process_by_a_signal_fails_with_the_signal(
     assert outcomes[innocent.index].failure is None
 
 
-def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs: list[Job]) -> None:
+def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs):
     with (
         closing(LocalProcesses(study_of(stillborn=True).document, 2)) as executor,
         pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"),
@@ -179,14 +169,14 @@ def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs: li
         list(executor.evaluate(jobs))
 
 
-def test_a_preparation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make) -> None:
+def test_a_preparation_is_no_part_of_the_time_limit(jobs, make):
     with closing(make(study_of(deed="prepare", timeout=3.0))) as executor:
         outcomes = collect(executor.evaluate(jobs[:1]))
     assert [evaluation.failure for evaluation in outcomes.values()] == [None]
 
 
 @pytest.mark.parametrize("deed", ["interrupt", "generator"])
-def test_whatever_a_plugin_raises_costs_its_genome_alone(jobs: list[Job], make: Make, deed: str) -> None:
+def test_whatever_a_plugin_raises_costs_its_genome_alone(jobs, make, deed):
     with closing(make(study_of(deed=deed))) as executor:
         outcomes = collect(executor.evaluate(jobs[:4]))
     assert len(outcomes) == 4
@@ -196,7 +186,7 @@ def test_whatever_a_plugin_raises_costs_its_genome_alone(jobs: list[Job], make: 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows does not clone processes")
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_a_clone_of_a_worker_answers_nothing(jobs: list[Job], make: Make) -> None:
+def test_a_clone_of_a_worker_answers_nothing(jobs, make):
     with closing(make(study_of(deed="clone"))) as executor:
         outcomes = collect(executor.evaluate(jobs))
     assert outcomes.keys() == {job.index for job in jobs}
@@ -207,7 +197,7 @@ def test_a_clone_of_a_worker_answers_nothing(jobs: list[Job], make: Make) -> Non
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-def test_clones_of_workers_end_with_them(jobs: list[Job]) -> None:
+def test_clones_of_workers_end_with_them(jobs):
     with closing(LocalProcesses(study_of(deed="clone and wait").document, 1)) as executor:
         collect(executor.evaluate(jobs[:3]))
         [worker] = workers_of(executor)
@@ -217,7 +207,7 @@ def test_clones_of_workers_end_with_them(jobs: list[Job]) -> None:
     assert not [p for p in clones if " Z " not in (stat := _read_stat(p)) and stat]
 
 
-def _read_stat(process: Path) -> str:
+def _read_stat(process):
     """State, parent, group and more of a process; nothing if it has ended."""
     try:
         return (process / "stat").read_text().rpartition(")")[2]
@@ -225,9 +215,7 @@ def _read_stat(process: Path) -> str:
         return ""
 
 
-def test_a_plugin_that_leaves_the_directory_moves_nobody(
-    jobs: list[Job], make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plugin_that_leaves_the_directory_moves_nobody(jobs, make, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with closing(make(study_of(deed="move"))) as executor:
         collect(executor.evaluate(jobs[:4]))
@@ -236,7 +224,7 @@ def test_a_plugin_that_leaves_the_directory_moves_nobody(
     assert Path.cwd() == tmp_path
 
 
-def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
+def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs):
     executor = LocalProcesses(study_of(pause=1.5).document, 2)
     outcomes = iter(executor.evaluate(jobs))
     next(outcomes)
@@ -248,9 +236,7 @@ def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Jo
 
 
 @pytest.mark.parametrize("count", [1, 5])
-def test_processes_that_are_started_before_their_first_task_are_those_that_evaluate(
-    jobs: list[Job], count: int
-) -> None:
+def test_processes_that_are_started_before_their_first_task_are_those_that_evaluate(jobs, count):
     with closing(LocalProcesses(study_of().document, 2, start=count)) as executor:
         started = set(workers_of(executor))
         assert len(started) == min(count, 2)
@@ -259,21 +245,21 @@ def test_processes_that_are_started_before_their_first_task_are_those_that_evalu
     assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
 
 
-def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], make: Make) -> None:
+def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs, make):
     study = study_of()
     broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
     with closing(make(broken)) as executor, pytest.raises(InputError, match=r"simulator\.pause = -1\.0"):
         list(executor.evaluate(jobs))
 
 
-def harm(name: str) -> Any:
+def harm(name):
     """A function that worker processes can import, and that does harm."""
     import driftform_fake
 
     return getattr(driftform_fake, name)
 
 
-def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> None:
+def test_functions_are_called_in_processes_that_run_already(jobs):
     with closing(LocalProcesses(study_of().document, 2)) as executor:
         list(executor.evaluate(jobs))
         workers = set(workers_of(executor))
@@ -284,7 +270,7 @@ def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_path: Path) -> None:
+def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_path):
     with closing(LocalProcesses(study_of().document, 2)) as executor:
         die_once = partial(harm("die_once"), tmp_path / "marker")
         found = executor.call([partial(abs, 1), die_once, partial(abs, 2), partial(abs, 3)])
@@ -293,7 +279,7 @@ def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_
 
 @pytest.mark.parametrize(("deed", "text"), [("exit", "exit code 3"), ("segfault", "SIGSEGV")])
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_end(deed: str, text: str) -> None:
+def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_end(deed, text):
     with closing(LocalProcesses(study_of().document, 2)) as executor:
         found = executor.call([partial(abs, 1), partial(abs, 2), partial(harm("end_process"), deed), partial(abs, 3)])
         assert [next(found), next(found)] == [1, 2]
@@ -303,12 +289,12 @@ def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_e
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs: list[Job], tmp_path: Path) -> None:
+def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs, tmp_path):
     executor = LocalProcesses(study_of().document, 1)
     list(executor.evaluate(jobs[:1]))
-    found: list[object] = []
+    found = []
 
-    def call() -> None:
+    def call():
         found.extend(executor.call([partial(harm("die_while_sending"), tmp_path / "marker")]))
 
     caller = threading.Thread(target=call, daemon=True)
@@ -320,7 +306,7 @@ def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs: li
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_an_interruption_of_functions_leaves_nothing_half_written(jobs: list[Job], tmp_path: Path) -> None:
+def test_an_interruption_of_functions_leaves_nothing_half_written(jobs, tmp_path):
     with closing(LocalProcesses(study_of().document, 1)) as executor:
         list(executor.evaluate(jobs[:2]))
         interrupt = threading.Timer(2.0, os.kill, [os.getpid(), signal.SIGINT])

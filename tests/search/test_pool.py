@@ -1,14 +1,13 @@
 """Tasks of an executor, and the genome that a death is counted against."""
 
 from collections import deque
-from collections.abc import Iterable, Sequence
 from concurrent.futures import Future
 
 import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Cause, Job, Outcome, WorkerDiedError, WorkersLostError
+from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Cause, Job, WorkerDiedError, WorkersLostError
 from driftform.search.pool import Executor
 from driftform.types import Evaluation, Genome
 
@@ -22,18 +21,18 @@ class FakePool(Executor):
 
     processes = 1
 
-    def __init__(self, *script: Exception | None) -> None:
+    def __init__(self, *script):
         super().__init__(1, 7.0)
         self._script = deque(script)
-        self._tasks: deque[tuple[Future[list[Outcome]], Sequence[Job]]] = deque()
-        self.seen: list[list[list[int]]] = []
+        self._tasks = deque()
+        self.seen = []
         """Before each end, the jobs of each task."""
 
     def _submit(self, function, batch):
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 
-    def _poll(self) -> None:
+    def _poll(self):
         self.seen.append([[job.index for job in batch] for _, batch in self._tasks])
         future, batch = self._tasks.popleft()
         error = self._script.popleft() if self._script else None
@@ -45,21 +44,21 @@ class FakePool(Executor):
             self._tasks.popleft()[0].set_exception(WorkerDiedError(Cause.NONE))
 
 
-def jobs_of(name: str, count: int) -> list[Job]:
+def jobs_of(name, count):
     return [Job(index, Genome(name, (str(index),))) for index in range(count)]
 
 
-def failures(executor: FakePool, count: int) -> dict[int, str | None]:
+def failures(executor, count):
     return {index: evaluation.failure for some in executor.evaluate(jobs_of("g", count)) for index, evaluation in some}
 
 
-def test_a_process_has_one_task_ready_while_another_runs() -> None:
+def test_a_process_has_one_task_ready_while_another_runs():
     executor = FakePool()
     assert failures(executor, 8) == dict.fromkeys(range(8))
     assert executor.seen[:2] == [[[0, 1, 2, 3], [4, 5]], [[4, 5], [6]]]
 
 
-def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one() -> None:
+def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one():
     executor = FakePool(CRASH)
     assert failures(executor, 6) == dict.fromkeys(range(6))
     # The task that was only waiting is as innocent as genomes in no task.
@@ -80,7 +79,7 @@ def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one() -> No
         (([START] * (STARTS - 1) + [KILL]) * (KILLS - 1), None),
     ],
 )
-def test_a_genome_alone_fails_after_so_many_deaths(deaths: list[Exception | None], failure: str | None) -> None:
+def test_a_genome_alone_fails_after_so_many_deaths(deaths, failure):
     executor = FakePool(*deaths)
     assert failures(executor, 1) == {0: failure}
     # The next genome starts with no deaths, also one of another call with the same index.
@@ -88,23 +87,23 @@ def test_a_genome_alone_fails_after_so_many_deaths(deaths: list[Exception | None
     assert failures(executor, 1) == {0: None}
 
 
-def test_deaths_before_anything_began_are_blamed_on_no_genome_and_stop_the_run_after_a_few() -> None:
+def test_deaths_before_anything_began_are_blamed_on_no_genome_and_stop_the_run_after_a_few():
     executor = FakePool(*[START] * STARTS)
     with pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"):
         failures(executor, 6)
     assert executor.seen[0] == executor.seen[-1]
 
 
-def test_an_error_that_is_not_a_death_is_raised() -> None:
+def test_an_error_that_is_not_a_death_is_raised():
     with pytest.raises(InputError, match="no such plugin"):
         failures(FakePool(InputError("no such plugin")), 1)
 
 
-def flat(outcomes: Iterable[Sequence[Outcome]]) -> list[tuple[int, str]]:
+def flat(outcomes):
     return [(index, evaluation.genome.grammar) for some in outcomes for index, evaluation in some]
 
 
-def test_jobs_may_be_added_while_others_are_evaluated() -> None:
+def test_jobs_may_be_added_while_others_are_evaluated():
     waiting = deque(jobs_of("first", 3))
     outcomes = FakePool().evaluate(waiting)
     found = flat([next(outcomes)])
@@ -113,7 +112,7 @@ def test_jobs_may_be_added_while_others_are_evaluated() -> None:
     assert sorted(found) == sorted([(i, "first") for i in range(3)] + [(i, "next") for i in range(4)])
 
 
-def test_a_call_within_another_gets_its_own_outcomes_and_loses_none_of_the_other() -> None:
+def test_a_call_within_another_gets_its_own_outcomes_and_loses_none_of_the_other():
     executor = FakePool()
     outer = executor.evaluate(jobs_of("outer", 40))
     found = flat([next(outer)])
@@ -123,7 +122,7 @@ def test_a_call_within_another_gets_its_own_outcomes_and_loses_none_of_the_other
     assert sorted(found) == [(index, "outer") for index in range(40)]
 
 
-def test_a_call_that_was_given_up_does_not_disturb_the_next() -> None:
+def test_a_call_that_was_given_up_does_not_disturb_the_next():
     executor = FakePool()
     given_up = executor.evaluate(jobs_of("given up", 40))
     next(given_up)
@@ -136,7 +135,7 @@ class Dying(FakePool):
 
     def _submit(self, function, *_):
         self.seen.append(function)
-        future: Future[str] = Future()
+        future = Future()
         error = self._script.popleft() if self._script else None
         future.set_result("a shape") if error is None else future.set_exception(error)
         return future

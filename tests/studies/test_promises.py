@@ -5,11 +5,10 @@ fewer runs.
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from math import inf
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,10 +24,8 @@ from driftform.search.finalists import find_winner, fly_finalists
 from driftform.search.jobs import Job
 from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
-from driftform.search.pool import Executor
-from driftform.study import Study, load_study
+from driftform.study import load_study
 from driftform.types import FloatArray
-from driftform.water import Scenario
 from driftform.water.disturbances import FLOWN, Specimen, disturb_fluid, disturb_scenario, draw_conditions
 from driftform.water.flow import KARMAN
 from driftform.water.prints import disturb_body
@@ -75,21 +72,19 @@ class Outcome:
     fresh_hits: Mapping[Specimen, FloatArray]
 
 
-def study_of(seed: int) -> Study:
+def study_of(seed):
     use = {"simulator": "native", "strategy": "tuned"}
     run = {"seed": seed, "evaluations": 500}
     return load_study("pipe-inspection", ["robustness.conditions=20"], use=use, run=run)
 
 
 @pytest.fixture(scope="module")
-def executor() -> Iterator[Executor]:
+def executor():
     with closing(LocalProcesses(study_of(1).document, 2)) as executor:
         yield executor
 
 
-def run_and_verify(
-    study: Study, executor: Executor, folder: Path, specimens: Sequence[Specimen] = ALL, fresh_flights: int = FRESH
-) -> Outcome:
+def run_and_verify(study, executor, folder, specimens=ALL, fresh_flights=FRESH):
     targets = study.scenario.target_names
     with Store.create(folder / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
@@ -132,9 +127,9 @@ def run_and_verify(
 
 
 @pytest.fixture(scope="module")
-def outcomes(executor: Executor, tmp_path_factory: pytest.TempPathFactory) -> list[Outcome]:
+def outcomes(executor, tmp_path_factory):
     folder = tmp_path_factory.mktemp("promises")
-    found: list[Outcome] = []
+    found = []
     for seed in range(1, int(os.environ.get("SEEDS", SEEDS)) + 1):
         found.append(run_and_verify(study_of(seed), executor, folder))
         each = {s: np.median(reached(found[-1:], s)) for s in FLOWN}
@@ -142,24 +137,24 @@ def outcomes(executor: Executor, tmp_path_factory: pytest.TempPathFactory) -> li
     return found
 
 
-def kept_of(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
+def kept_of(outcomes, specimen):
     """Share of the sound fresh flights within the promise, for each target, over all runs."""
     fresh = np.array([o.fresh[specimen] for o in outcomes])
     kept = fresh <= np.array([o.promised[specimen] for o in outcomes])[:, :, None]
     return np.asarray(kept.sum(axis=(0, 2)) / (~np.isnan(fresh)).sum(axis=(0, 2)))
 
 
-def reached(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
+def reached(outcomes, specimen):
     """Miss that 9 of 10 sound fresh flights stay within, m, (runs, targets)."""
     return np.array([[estimate_quantile(m[~np.isnan(m)], PROMISED) for m in o.fresh[specimen]] for o in outcomes])
 
 
-def hits_of(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
+def hits_of(outcomes, specimen):
     """Share of the sound fresh flights that hit, (runs, targets)."""
     return np.array([o.fresh_hits[specimen] for o in outcomes])
 
 
-def fly_points(study: Study, flights: int = 400) -> FloatArray:
+def fly_points(study, flights=400):
     """90 % miss, m, (targets,), of a point of the water, which is released as an agent is.
 
     Undisturbed it stays on the axis, and passes there beside each target: its misses are the distances from that place.
@@ -172,12 +167,12 @@ def fly_points(study: Study, flights: int = 400) -> FloatArray:
     return estimate_quantile(np.array([closest_approach(flight, places)[0] for flight in flown]), PROMISED)
 
 
-def axis_speed(scenario: Scenario) -> float:
+def axis_speed(scenario):
     """Speed of the water on the axis, m/s: U + 3 u* / (2 kappa) of the logarithmic law."""
     return float(scenario.flow.speed + 1.5 * scenario.friction_velocity() / KARMAN)
 
 
-def weight_floor(study: Study) -> FloatArray:
+def weight_floor(study):
     """90 % miss, m, (targets,), of a body that rises or sinks to each target at its terminal speed, by its weight alone.
 
     The weight of a hull varies with its surface, at least twice the area that it shows to the water: that of a thin plate. The
@@ -200,14 +195,12 @@ def weight_floor(study: Study) -> FloatArray:
     return np.asarray(np.quantile(missed, PROMISED, axis=0))
 
 
-def show_range(misses: FloatArray) -> str:
+def show_range(misses):
     """Median of runs, and the least and the greatest, mm."""
     return f"{1000 * np.median(misses):.0f} ({1000 * misses.min():.0f}–{1000 * misses.max():.0f})"
 
 
-def test_flights_keep_what_a_run_promises(
-    outcomes: list[Outcome], publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_flights_keep_what_a_run_promises(outcomes, publish):
     runs, study = outcomes, study_of(1)
     within, floor, weight = find_within(study.scenario), fly_points(study), weight_floor(study)
     kept = {s: kept_of(runs, s) for s in FLOWN}
@@ -246,9 +239,7 @@ def test_flights_keep_what_a_run_promises(
     assert (weighed >= KEPT).mean() >= 0.9
 
 
-def run_elsewhere(
-    scenario: str, settings: Sequence[str], folder: Path, specimens: Sequence[Specimen] = MADE, seeds: int = SEEDS
-) -> tuple[tuple[str, ...], list[Outcome]]:
+def run_elsewhere(scenario, settings, folder, specimens=MADE, seeds=SEEDS):
     """Return the names of the targets, and a run for each seed."""
     count, runs = min(seeds, int(os.environ.get("SEEDS", seeds))), []
     studies = [load_study(scenario, settings, run={"seed": seed}) for seed in range(1, count + 1)]
@@ -259,10 +250,8 @@ def run_elsewhere(
     return studies[0].scenario.target_names, runs
 
 
-def test_shapes_and_plain_bodies_through_ports_of_many_sizes(
-    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
-    columns: dict[int, dict[Specimen, FloatArray]] = {}
+def test_shapes_and_plain_bodies_through_ports_of_many_sizes(tmp_path, publish):
+    columns = {}
     for port in PORTS:
         settings = (f"release.port={port / 1000}", f"builder.max_radius={port / 2000}")
         names, runs = run_elsewhere(
@@ -282,9 +271,7 @@ def test_shapes_and_plain_bodies_through_ports_of_many_sizes(
     assert medians[0] > medians[-1]
 
 
-def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(
-    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(tmp_path, publish):
     names, runs = run_elsewhere("pipe-inspection", SMALL, tmp_path)
     kept = {s: kept_of(runs, s) for s in MADE}
     lines = [
@@ -304,9 +291,7 @@ def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(
         assert 0.85 <= kept[s].mean() <= 0.95
 
 
-def test_agents_leave_a_junction_by_the_outlet_that_they_promise(
-    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_agents_leave_a_junction_by_the_outlet_that_they_promise(tmp_path, publish):
     names, runs = run_elsewhere("t-junction", (), tmp_path)
     lines = [
         "| outlet | printed: promised | fresh | least | weighed: promised | fresh | least |",

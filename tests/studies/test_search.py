@@ -4,9 +4,7 @@
 """
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +13,7 @@ from driftform.motion.path.targets import farthest_distances
 from driftform.runs.store import Store
 from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
-from driftform.search.pool import Executor
-from driftform.study import Study, load_study
-from driftform.types import FloatArray
+from driftform.study import load_study
 
 pytestmark = pytest.mark.slow
 
@@ -30,40 +26,32 @@ IN_WATER = (("paper", 500), ("random", 500), ("evolution", 500), ("direct", 100)
 MANY_SEEDS = 48
 
 
-def study_of(strategy: str, flights: int, seed: int, scenario: str = "paper") -> Study:
+def study_of(strategy, flights, seed, scenario="paper"):
     use = {"strategy": strategy, "simulator": "native"}
     run = {"seed": seed, "evaluations": flights}
     return load_study(scenario, ["robustness.conditions=0"], use=use, run=run)
 
 
-Errors = dict[tuple[str, int], FloatArray]
 """Error (%) of the best flight for each target, (seeds, targets), of every search."""
 
 
 @pytest.fixture(scope="module")
-def errors(tmp_path_factory: pytest.TempPathFactory) -> Errors:
+def errors(tmp_path_factory):
     return run_all(SEARCHES, "paper", tmp_path_factory.mktemp("searches"))
 
 
 @pytest.fixture(scope="module")
-def errors_in_water(tmp_path_factory: pytest.TempPathFactory) -> Errors:
+def errors_in_water(tmp_path_factory):
     return run_all(IN_WATER, "pipe-inspection", tmp_path_factory.mktemp("water"))
 
 
-def run_all(searches: Sequence[tuple[str, int]], scenario: str, folder: Path) -> Errors:
+def run_all(searches, scenario, folder):
     with closing(LocalProcesses(study_of("random", 1, 1, scenario).document, 2)) as executor:
         return {search: np.array(list(_runs(*search, scenario, executor, folder))) for search in searches}
 
 
-def _runs(
-    strategy: str,
-    flights: int,
-    scenario: str,
-    executor: Executor,
-    folder: Path,
-    seeds: Iterable[int] = range(1, int(os.environ.get("SEEDS", SEEDS)) + 1),
-) -> Iterator[FloatArray]:
-    for seed in seeds:
+def _runs(strategy, flights, scenario, executor, folder, seeds=None):
+    for seed in seeds or range(1, int(os.environ.get("SEEDS", SEEDS)) + 1):
         study = study_of(strategy, flights, seed, scenario)
         with Store.create(folder / f"{strategy}-{flights}-{seed}.db", dict(study.document)) as store:
             run_search(study, store, executor)
@@ -73,17 +61,15 @@ def _runs(
         yield found
 
 
-def test_the_searches_are_shown_side_by_side(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
+def test_the_searches_are_shown_side_by_side(errors, publish):
     publish("worst targets", tabulate_worst(errors))
 
 
-def test_the_searches_in_the_mean_flow_of_real_water_are_shown_side_by_side(
-    errors_in_water: Errors, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_the_searches_in_the_mean_flow_of_real_water_are_shown_side_by_side(errors_in_water, publish):
     publish("worst targets in water", tabulate_worst(errors_in_water))
 
 
-def tabulate_worst(errors: Errors) -> list[str]:
+def tabulate_worst(errors):
     lines = [
         "| strategy | flights | mean of all targets | worst target: mean over seeds | at most |",
         "|---|---|---|---|---|",
@@ -94,7 +80,7 @@ def tabulate_worst(errors: Errors) -> list[str]:
     return lines
 
 
-def test_tuned_bodies_hit_every_target_within_a_hundred_flights(errors_in_water: Errors) -> None:
+def test_tuned_bodies_hit_every_target_within_a_hundred_flights(errors_in_water):
     scenario = study_of("tuned", 1, 1, "pipe-inspection").scenario
     misses = 10 * farthest_distances(scenario) * errors_in_water["tuned", 100]
     # TP8 is passed by bodies that float along the ceiling.
@@ -102,9 +88,7 @@ def test_tuned_bodies_hit_every_target_within_a_hundred_flights(errors_in_water:
     assert (misses.mean(axis=0) <= np.where(np.array(scenario.target_names) == "TP8", 20, 1)).all()
 
 
-def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(
-    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(tmp_path, publish):
     seeds = range(100, 100 + int(os.environ.get("MANY_SEEDS", MANY_SEEDS)))
     with closing(LocalProcesses(study_of("tuned", 1, 1, "pipe-inspection").document, 2)) as executor:
         worst = [errors.max() for errors in _runs("tuned", 500, "pipe-inspection", executor, tmp_path, seeds)]
@@ -115,20 +99,20 @@ def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(
     assert np.max(worst) <= 1
 
 
-def test_evolution_reaches_every_target_in_the_mean_flow_of_real_water(errors_in_water: Errors) -> None:
+def test_evolution_reaches_every_target_in_the_mean_flow_of_real_water(errors_in_water):
     assert errors_in_water["evolution", 500].max(axis=1).mean() <= 1.0
 
 
-def test_evolution_reaches_every_target_with_the_papers_flights(errors: Errors) -> None:
+def test_evolution_reaches_every_target_with_the_papers_flights(errors):
     worst = errors["evolution", 500].max(axis=1)
     assert worst.mean() <= 0.5
     assert worst.max() <= 1.0
 
 
-def test_evolution_goes_on_getting_better(errors: Errors) -> None:
+def test_evolution_goes_on_getting_better(errors):
     assert errors["evolution", 2000].max(axis=1).mean() <= 0.2
 
 
 @pytest.mark.parametrize("flights", [500, 2000])
-def test_evolution_beats_random_search_for_every_target(errors: Errors, flights: int) -> None:
+def test_evolution_beats_random_search_for_every_target(errors, flights):
     assert (errors["evolution", flights].mean(axis=0) < errors["random", flights].mean(axis=0)).all()

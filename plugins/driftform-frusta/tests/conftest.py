@@ -5,7 +5,6 @@ import subprocess
 import numpy as np
 import pytest
 import trimesh
-from prints import job_of
 
 from driftform.types import Body, Core
 
@@ -78,13 +77,6 @@ def body(request):
 def wavy_body():
     """A hull of 40 modules."""
     return _wavy()
-
-
-@pytest.fixture(scope="session")
-def specimen_of():
-    """A body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
-
-    return lambda body: job_of(body, "hull")
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import trimesh
-from pydantic import ValidationError
 
 from driftform.agent import MassElement, distance_from, mass_properties, solid_of_revolution
 from driftform.errors import InputError
@@ -142,17 +141,3 @@ def test_a_file_that_is_not_there_is_one_line(tmp_path):
     settings = [f'builder.core="{tmp_path}/core.csv"', "builder.core_mass=1", "builder.core_cog=0"]
     with pytest.raises(InputError, match=r"core.csv: no such file"):
         load_study("pipe-inspection", settings)
-
-
-@pytest.mark.parametrize(
-    "options, message",
-    [
-        ({"core_cog": 0.01}, "core_cog' is for a capsule"),
-        ({"core_profile": ((0, 0), (0.01, 0.01), (0.02, 0))}, "core_cog is missing"),
-        ({"core_profile": ((0, 0), (0.01, 0.01), (0.02, 0)), "core_cog": 0.01, "core_radius": 0.02}, "leave it out"),
-        ({"core_profile": ((0, 0), (0.01, 0), (0.02, 0)), "core_cog": 0.01}, "core_profile must run from the nose"),
-    ],
-)
-def test_options_of_a_capsule_that_contradict_each_other_are_refused(options, message):
-    with pytest.raises(ValidationError, match=message):
-        FrustaOptions(**options)

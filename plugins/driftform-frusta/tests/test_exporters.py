@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from prints import job_of
 
 from driftform.agent import hull_mass
 from driftform.errors import WorkFailedError
@@ -16,7 +17,7 @@ from driftform_frusta import hull
 from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.hull import hull_volume
+from driftform_frusta.hull import build_hull, hull_volume
 from driftform_frusta.solid import Solid, to_manifold
 from driftform_frusta.triangles import Mesh
 
@@ -30,9 +31,9 @@ def exporter_of(kind, **options):
 
 
 @pytest.fixture
-def write_stl(specimen_of, tmp_path):
+def write_stl(tmp_path):
     def write(body, **options):
-        return exporter_of(StlExporter, **options).write(specimen_of(body), tmp_path / "hull.stl")[0]
+        return exporter_of(StlExporter, **options).write(job_of(body, "hull"), tmp_path / "hull.stl")[0]
 
     return write
 
@@ -66,84 +67,93 @@ def test_the_number_of_segments_is_an_option_and_leaves_the_volume_alone(wavy_bo
     assert fine["volume_mm3"] == pytest.approx(coarse["volume_mm3"], rel=1e-5)
 
 
+TUBE = [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)]
+OPEN = {
+    "a tube open at both ends": (
+        TUBE,
+        [(-0.05, 0), (-0.05, 0.018), (0.05, 0.018), (0.05, 0)],
+        "touches the outer contour at its aft end",
+    ),
+    "a tube open at its fore end": (
+        TUBE,
+        [(-0.04, 0), (-0.04, 0.018), (0.05, 0.018), (0.05, 0)],
+        "touches the outer contour at its fore end",
+    ),
+    "a slit round the middle": (
+        [(-0.05, 0), (0, 0.02), (0.05, 0)],
+        [(-0.03, 0), (0, 0.02), (0.03, 0)],
+        "touches the outer contour at x = 0.000000 m",
+    ),
+    "a cavity that leaves the outer contour": (
+        TUBE,
+        [(-0.04, 0), (-0.04, 0.01), (0.0, 0.03), (0.04, 0.01), (0.04, 0)],
+        "mm3, its section",
+    ),
+    "a contour across the axis": ([(-0.05, 0), (-0.05, 0.02), (0.05, -0.02), (0.05, 0)], (), "mm3, its section"),
+    "a contour across itself": ([(-0.05, 0), (0.02, 0.03), (-0.02, 0.03), (0.05, 0)], (), "mm3, its section"),
+    "a contour from fore to aft": ([(0.05, 0), (0.0, 0.03), (-0.05, 0)], (), "mm3, its section"),
+    "two parts that touch in a point": (
+        [(-0.05, 0), (-0.02, 0.03), (0, 0), (0.02, 0.03), (0.05, 0)],
+        (),
+        "outer contour touches the axis at x = 0.000000 m",
+    ),
+    "no number": ([(-0.05, 0), (0, math.nan), (0.05, 0)], (), "outer contour has coordinates that are not finite"),
+    "an outer contour off the axis": (
+        [(-1, 0), (-1, 1), (1, 1)],
+        (),
+        "outer contour does not begin and end on the axis",
+    ),
+    "a cavity off the axis": (
+        [(-1, 0), (0, 1), (1, 0)],
+        [(-0.5, 0.1), (0, 0.2), (0.5, 0)],
+        "cavity does not begin and end",
+    ),
+}
+
+
 @EACH
-@pytest.mark.parametrize(
-    ("outer", "cavity", "why"),
-    [
-        pytest.param(
-            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
-            [(-0.05, 0), (-0.05, 0.018), (0.05, 0.018), (0.05, 0)],
-            "touches the outer contour at its aft end",
-            id="a tube open at both ends",
-        ),
-        pytest.param(
-            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
-            [(-0.04, 0), (-0.04, 0.018), (0.05, 0.018), (0.05, 0)],
-            "touches the outer contour at its fore end",
-            id="a tube open at its fore end",
-        ),
-        pytest.param(
-            [(-0.05, 0), (0, 0.02), (0.05, 0)],
-            [(-0.03, 0), (0, 0.02), (0.03, 0)],
-            "touches the outer contour at x = 0.000000 m",
-            id="a slit round the middle",
-        ),
-        pytest.param(
-            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
-            [(-0.04, 0), (-0.04, 0.01), (0.0, 0.03), (0.04, 0.01), (0.04, 0)],
-            "mm3, its section",
-            id="a cavity that leaves the outer contour",
-        ),
-        pytest.param(
-            [(-0.05, 0), (-0.05, 0.02), (0.05, -0.02), (0.05, 0)],
-            (),
-            "mm3, its section",
-            id="a contour that crosses the axis",
-        ),
-        pytest.param(
-            [(-0.05, 0), (0.02, 0.03), (-0.02, 0.03), (0.05, 0)],
-            (),
-            "mm3, its section",
-            id="a contour that crosses itself",
-        ),
-        pytest.param([(0.05, 0), (0.0, 0.03), (-0.05, 0)], (), "mm3, its section", id="a contour from fore to aft"),
-        pytest.param(
-            [(-0.05, 0), (-0.02, 0.03), (0, 0), (0.02, 0.03), (0.05, 0)],
-            (),
-            "outer contour touches the axis at x = 0.000000 m",
-            id="two parts that touch in a point",
-        ),
-        pytest.param([(-0.05, 0), (0, math.nan), (0.05, 0)], (), "not finite", id="a coordinate that is no number"),
-    ],
-)
-def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
-    exporter, outer, cavity, why, make_body, specimen_of, tmp_path
-):
-    agent = specimen_of(make_body(outer, cavity))
+@pytest.mark.parametrize("kind", OPEN)
+def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(exporter, kind, make_body, tmp_path):
+    outer, cavity, why = OPEN[kind]
     with pytest.raises(WorkFailedError, match=why):
-        exporter_of(exporter).write(agent, tmp_path / "hull")
+        exporter_of(exporter).write(job_of(make_body(outer, cavity), "hull"), tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("x", "why"), [((-1, 1), "has 2 points"), ((-1, 0, 1), "never leaves the axis")])
+def test_a_contour_that_encloses_nothing_is_refused(x, why, make_body):
+    with pytest.raises(WorkFailedError, match=f"outer contour {why}"):
+        build_hull(make_body([(each, 0) for each in x]))
+
+
 @EACH
-def test_a_solid_that_is_not_what_was_simulated_is_refused(exporter, wavy_body, specimen_of, tmp_path, monkeypatch):
+def test_a_solid_that_is_not_what_was_simulated_is_refused(exporter, wavy_body, tmp_path, monkeypatch):
     monkeypatch.setattr(hull, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
     with pytest.raises(WorkFailedError, match="mm3, its section"):
-        exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
+        exporter_of(exporter).write(job_of(wavy_body, "hull"), tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
 
 
 @EACH
-def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
-    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
-):
+def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(exporter, wavy_body, tmp_path, monkeypatch):
     def cut(tree, segments):
         upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
         return Solid.from_manifold(upper.translate((0, 0, 1)) + lower)
 
     monkeypatch.setattr(hull, "to_solid", cut)
     with pytest.raises(WorkFailedError, match="falls into 2 pieces"):
-        exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
+        exporter_of(exporter).write(job_of(wavy_body, "hull"), tmp_path / "hull")
+
+
+def test_the_printed_frame_is_in_mm_with_the_fore_end_up_and_the_lowest_point_at_zero(make_body):
+    cone = make_body([(-0.02, 0), (-0.02, 0.03), (0.05, 0)])
+    solid = to_manifold(build_hull(cone))
+    bounds = solid.bounding_box()
+    assert bounds[2] == 0
+    assert bounds[5] == pytest.approx(70, rel=1e-9)
+    assert bounds[3] == pytest.approx(30, rel=2e-3)
+    # A cone's centroid is a quarter up from its base, which is the aft end here.
+    assert solid.trim_by_plane((0, 0, 1), 35).volume() == pytest.approx(solid.volume() / 8, rel=1e-6)
 
 
 def lose_one(mesh):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from prints import job_of
 from scipy.spatial.transform import Rotation
 from solids import remus_body
 
@@ -82,10 +83,10 @@ def test_remus_has_the_added_mass_that_panels_find(unit, tmp_path):
     assert added_mass_of(place_profile(profile.points)) == pytest.approx(added_mass_of(outer), rel=1e-3)
 
 
-def test_a_tilted_and_scaled_stl_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_path):
+def test_a_tilted_and_scaled_stl_has_the_coefficients_of_its_agent(agents, tmp_path):
     for number, agent in enumerate(agents):
         path = tmp_path / f"{number}.stl"
-        StlExporter(PartOptions()).write(specimen_of(agent.body), path)
+        StlExporter(PartOptions()).write(job_of(agent.body, "hull"), path)
         mesh = trimesh.load(path)
         mesh.vertices = 2.5 * mesh.vertices @ SLOPED.T + [300, -20, 7]
         mesh.export(path)
@@ -97,18 +98,18 @@ def test_a_tilted_and_scaled_stl_has_the_coefficients_of_its_agent(agents, speci
 
 
 @pytest.mark.peers
-def test_a_step_file_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_path):
+def test_a_step_file_has_the_coefficients_of_its_agent(agents, tmp_path):
     path = tmp_path / "agent.step"
-    StepExporter(PartOptions()).write(specimen_of(agents[0].body), path)
+    StepExporter(PartOptions()).write(job_of(agents[0].body, "hull"), path)
     found = added_mass_of(place_profile(read_profile(path).points))
     assert found == pytest.approx(added_mass_of(agents[0].body.outer), rel=5e-3)
 
 
 @pytest.mark.peers
-def test_a_step_file_of_a_ball_is_closed_at_its_poles(specimen_of, tmp_path):
+def test_a_step_file_of_a_ball_is_closed_at_its_poles(tmp_path):
     path = tmp_path / "ball.step"
     body = load_study("paper").make_pipeline().build(Morphology((), ()))
-    StepExporter(PartOptions()).write(specimen_of(body), path)
+    StepExporter(PartOptions()).write(job_of(body, "hull"), path)
     found = added_mass_of(place_profile(read_profile(path).points))
     # Half of the water that a ball displaces moves with it.
     radius = body.outer[:, 1].max()

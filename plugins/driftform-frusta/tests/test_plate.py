@@ -13,16 +13,12 @@ sides = st.floats(1, 250)
 parts = st.lists(st.tuples(sides, st.floats(1, 210)), min_size=1, max_size=12)
 
 
-def box(size, spot):
-    return (spot.x - size[0] / 2, spot.y - size[1] / 2, spot.x + size[0] / 2, spot.y + size[1] / 2)
-
-
 @given(parts)
 def test_parts_on_a_plate_keep_their_gap_and_stay_on_the_bed_whose_middle_is_that_of_their_rows(sizes):
     spots = arrange(sizes, BED)
     plates = [spot.plate for spot in spots]
     assert set(plates) == set(range(max(plates) + 1))
-    boxes = [box(size, spot) for size, spot in zip(sizes, spots, strict=True)]
+    boxes = [(s.x - a / 2, s.y - b / 2, s.x + a / 2, s.y + b / 2) for (a, b), s in zip(sizes, spots, strict=True)]
     for left, front, right, back in boxes:
         assert -BED[0] / 2 - 1e-9 <= left and right <= BED[0] / 2 + 1e-9
         assert -BED[1] / 2 - 1e-9 <= front and back <= BED[1] / 2 + 1e-9

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from prints import job_of
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.brep import to_brep, volume_of
@@ -43,9 +44,9 @@ def read(path):
 
 
 @pytest.fixture
-def write(specimen_of, tmp_path):
+def write(tmp_path):
     def written(body, **options):
-        return StepExporter(PartOptions(**options)).write(specimen_of(body), tmp_path / "hull.step")[0]
+        return StepExporter(PartOptions(**options)).write(job_of(body, "hull"), tmp_path / "hull.step")[0]
 
     return written
 

@@ -1,11 +1,13 @@
 """What a kit weighs against what was simulated, by closed forms and by its meshes."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from prints import chain_body, job_of, weigh_meshes
-from pydantic import ValidationError
 
 from driftform.agent import MassElement, mass_properties
 from driftform.errors import InputError
@@ -98,19 +100,6 @@ def test_a_gram_more_of_an_agent_made_as_a_kit_is_spread_as_its_parts_are():
     assert same.inertia == pytest.approx(agent.mass.inertia, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "options, reason",
-    [
-        ({"kit": {"joint": "sleeve"}}, "made_as is 'hull': set made_as to 'kit'"),
-        ({"made_as": "kit", "wall_model": "paper"}, "open ends of wall_model 'paper'"),
-        ({"made_as": "kit", "kit": {"ballast": [[0.04, 0.006]]}}, "set it for the exporter"),
-    ],
-)
-def test_a_builder_refuses_kits_that_it_could_not_make(options, reason):
-    with pytest.raises(ValidationError, match=reason):
-        FrustaOptions(**options)
-
-
 def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
     settings = ["builder.made_as=kit", "builder.kit.joint=rabbet"]
     study = load_study("paper", settings=settings, run={"seed": 0})
@@ -123,3 +112,14 @@ def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
     assert 2e-4 < added < 5e-3
     with pytest.raises(InputError, match=r"--set builder.kit.lapp=1: unknown key 'lapp' in \[builder.kit\]"):
         load_study("paper", settings=[*settings, "builder.kit.lapp=1"])
+
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+def test_the_example_weighs_a_kit_and_lists_its_parts(capsys):
+    [source] = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    exec(compile(source, str(README), "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(" shell")[0] for line in lines if "shell" in line] == ["aft", "fore"]
+    assert float(lines[-1]) == pytest.approx(0.0391, abs=5e-5)

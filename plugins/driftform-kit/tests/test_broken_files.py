@@ -200,18 +200,11 @@ def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh, sound):
 def test_a_coarse_mesh_is_a_warning(check_mesh, opened, tmp_path):
     body = opened.agent.body
     path = tmp_path / "coarse.stl"
-    mesh = trimesh.creation.revolve(1000 * body.outer[:, ::-1], sections=64)
-    mesh = trimesh.util.concatenate(
-        [mesh, _inverted(trimesh.creation.revolve(1000 * body.cavity[:, ::-1], sections=64))]
-    )
-    mesh.export(path)
+    outside, hollow = (trimesh.creation.revolve(1000 * c[:, ::-1], sections=64) for c in (body.outer, body.cavity))
+    hollow.invert()
+    trimesh.util.concatenate([outside, hollow]).export(path)
     found = check_mesh(path, **known(opened))
     assert found["mass"].state is State.WARN and "-1.6e-03" in found["mass"].detail
-
-
-def _inverted(mesh):
-    mesh.invert()
-    return mesh
 
 
 def test_programs_fail_the_file_with_missing_faces_too(ask, mesh, written):

@@ -7,19 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 from manifold3d import Manifold, Mesh64
+from prints import chain_body
 
 from driftform.interfaces import Printer, PrintJob
-from driftform.types import Module, Morphology, State
-from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform.types import State
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.coupon import CLEARANCES
 from driftform_kit.reading import read_meshes
-
-
-def body_of(core="steel-20mm"):
-    modules = (Module(0.01, 0.0),) * 6
-    return FrustaBuilder(FrustaOptions(core=core)).build(Morphology(modules, modules))
 
 
 def radii_at(options, height, core="steel-20mm"):
@@ -39,7 +34,7 @@ def radii_at(options, height, core="steel-20mm"):
 def make_mesh(options, core="steel-20mm"):
     import trimesh
 
-    [part] = make_parts(body_of(core), options)
+    [part] = make_parts(chain_body("ssssss", "ssssss", core=core), options)
     solid = part.on_bed()
     return trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
 

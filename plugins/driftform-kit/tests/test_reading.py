@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -9,8 +10,11 @@ import trimesh
 from prints import CORNERS, TRIANGLES, mesh_xml, write_3mf
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.interfaces import PrintJob
+from driftform.types import State
 from driftform.util import foreign
-from driftform_kit.reading import read_meshes
+from driftform_kit.checks.admesh import AdmeshChecker, AdmeshOptions
+from driftform_kit.reading import provide_stl, read_meshes
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -204,3 +208,24 @@ def test_a_truncated_3mf_is_named_as_such(tmp_path):
     path.write_bytes(path.read_bytes()[:-40])
     with pytest.raises(InputError, match=r"cut\.3mf: .* truncated"):
         read_meshes(path)
+
+
+def test_admesh_is_understood_whatever_bytes_it_prints(sound, tmp_path, monkeypatch):
+    names = ("Total disconnected facets", "Degenerate facets", "Facets reversed", "Facets added", "Edges fixed")
+    report = b"Header : \xd0\xff\x80\n" + "".join(f"{name} : 0\n" for name in names).encode()
+    program = tmp_path / "admesh"
+    program.write_text(f"#!{sys.executable}\nimport sys\nsys.stdout.buffer.write({report!r})\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    checker = AdmeshChecker(AdmeshOptions())
+    [finding] = checker.check(PrintJob((sound,)))
+    assert finding.state is State.PASS
+
+
+def test_the_header_of_a_copied_part_ends_with_a_nul(sound, tmp_path):
+    trimesh.load_mesh(sound).export(tmp_path / "hull.ply")
+    [copy] = provide_stl([tmp_path / "hull.ply"], tmp_path)
+    data = copy.read_bytes()
+    assert not data.startswith(b"solid")
+    assert data[79] == 0
+    assert [len(part.triangles) for part in read_meshes(copy)] == [len(part.triangles) for part in read_meshes(sound)]

@@ -82,10 +82,6 @@ def random_genome(seed):
     return LSystemGrammar(LSystemOptions()).random(np.random.default_rng(seed))
 
 
-def uniform_genotype(quintuple):
-    return Genome("lsystem", tuple(quintuple.split()) * 12)
-
-
 def test_figure_2_of_the_paper_is_three_modules_behind_the_core():
     grammar = LSystemGrammar(LSystemOptions())
     morphology = grammar.express(grammar.parse(FIGURE_2))
@@ -136,7 +132,8 @@ def test_inserting_keeps_the_length_of_every_letter_of_the_word(seed):
 @pytest.mark.parametrize(("quintuple", "modules"), [("addF tiltp 0 S moveN", 1), ("addF tiltp 0 S moveF", 39)])
 def test_the_bounds_of_the_number_with_skipping_are_reached(quintuple, modules):
     grammar = LSystemGrammar(LSystemOptions(occupied="skip"))
-    assert len(grammar.express(uniform_genotype(quintuple)).modules) == modules
+    genotype = Genome("lsystem", tuple(quintuple.split()) * 12)
+    assert len(grammar.express(genotype).modules) == modules
 
 
 RUNS = ["C", "addF", "tiltp", "1", "addB", "tiltn", "2", "S", "moveF", "moveB", "addF", "tiltp", "0", "L", "moveN"]

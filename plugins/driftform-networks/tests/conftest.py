@@ -2,20 +2,15 @@
 
 import os
 import re
-from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from runpy import run_path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from shared import shared_folder
-
-from driftform.types import FloatArray
-from driftform_networks.hydraulics.network import Network
 
 # How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
 publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
@@ -28,41 +23,40 @@ _QUALITY = 12
 """Code of the EPANET toolkit: EN_QUALITY of a node."""
 
 
-def find_library_file(name: str) -> Path:
+def find_library_file(name):
     """The file of a network that driftform or WNTR ships."""
     import driftform_networks
 
     if (own := Path(driftform_networks.__file__).parent / "hydraulics" / "examples" / f"{name}.inp").is_file():
         return own
     spec = find_spec("wntr")
-    assert spec is not None and spec.origin is not None
     return Path(spec.origin).parent / "library" / "networks" / f"{name}.inp"
 
 
 @cache
-def read_library(name: str) -> Network:
+def read_library(name):
     from driftform_networks.hydraulics.epanet import open_network
 
     return open_network(find_library_file(name))
 
 
-def read_sections(name: str) -> dict[str, str]:
+def read_sections(name):
     """The lines of each section of a network that driftform or WNTR ships."""
     text = find_library_file(name).read_text("latin-1")
     return dict(re.findall(r"^\[(\w+)\][^\n]*\n(.*?)(?=^\[|\Z)", text, re.MULTILINE | re.DOTALL))
 
 
-def list_rows(section: str) -> list[list[str]]:
+def list_rows(section):
     """The words of each line of a section, without comments."""
     return [words for line in section.splitlines() if (words := line.partition(";")[0].split())]
 
 
-def write_sections(path: Path, sections: dict[str, str]) -> Path:
+def write_sections(path, sections):
     path.write_text("".join(f"[{part}]\n{lines}\n" for part, lines in sections.items()), "latin-1")
     return path
 
 
-def freeze(name: str, folder: Path) -> Path:
+def freeze(name, folder):
     """Write a network with the flows of hour 0 for ever: tanks are reservoirs, demands and statuses are constant."""
     network, sections = read_library(name), read_sections(name)
     flow, outflow, head = (
@@ -96,7 +90,7 @@ def freeze(name: str, folder: Path) -> Path:
     )
 
 
-def simulate_quality(path: Path, quality: str, hours: float, step: float, tolerance: float = 1e-6) -> dict[str, float]:
+def simulate_quality(path, quality, hours, step, tolerance=1e-06):
     """EPANET's quality at each node after so many hours of constant flow: a share in %, or an age in h."""
     text = path.read_text("latin-1").replace("Quality None", f"Quality {quality}")
     text = text.replace("Tolerance 1e-6", f"Tolerance {tolerance}")
@@ -107,9 +101,7 @@ def simulate_quality(path: Path, quality: str, hours: float, step: float, tolera
     return dict(zip(names, values[-1], strict=True))
 
 
-def follow_quality(
-    path: Path, only_last: bool = False, prepare: Callable[[Callable[..., Any]], object] = lambda _: None
-) -> tuple[list[str], FloatArray, FloatArray]:
+def follow_quality(path, only_last=False, prepare=lambda _: None):
     """Names of the nodes, the times of EPANET's quality steps, s, and its quality at these times, (times, nodes).
 
     ``prepare`` changes the model by the function that it receives, which calls EPANET.
@@ -118,7 +110,7 @@ def follow_quality(
 
     project = epanet.EN_createproject()[1]
 
-    def call(name: str, *arguments: object) -> Any:
+    def call(name, *arguments):
         code, *found = getattr(epanet, f"EN_{name}")(project, *arguments)
         assert code < 100, f"{name}: error {code}"
         return found[0] if found else None
@@ -145,14 +137,14 @@ def follow_quality(
 
 
 @pytest.fixture(scope="session")
-def epanet() -> SimpleNamespace:
+def epanet():
     """The functions of this file."""
     names = (read_library, read_sections, list_rows, write_sections, freeze, simulate_quality, follow_quality)
     return SimpleNamespace(**{function.__name__: function for function in names}, find_library_file=find_library_file)
 
 
 @pytest.fixture(scope="session")
-def fork_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fork_file(tmp_path_factory):
     """The EPANET file of a main that divides."""
     path = tmp_path_factory.mktemp("fork") / "fork.inp"
     path.write_text(FORK)
@@ -160,7 +152,7 @@ def fork_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
+def call(tmp_path, monkeypatch):
     """Run ``driftform network`` in an empty directory, with a cache that the tests share."""
     from typer.testing import CliRunner
 
@@ -168,14 +160,14 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., objec
 
     monkeypatch.chdir(tmp_path)
 
-    def run(*arguments: object) -> object:
+    def run(*arguments):
         return CliRunner().invoke(app, ["network", *map(str, arguments)])
 
     return run
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _cache(tmp_path_factory: pytest.TempPathFactory) -> object:
+def _cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
             patch.setenv(name, str(shared_folder(tmp_path_factory, "networks")))

@@ -1,6 +1,5 @@
 """Tables of networks that can be computed by hand: what the chain solves, and what walks draw from the same tables."""
 
-from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform_networks.hydraulics.network import Hydraulics, Network, take_snapshot
-from driftform_networks.passages.passage import Passage, find_loops, follow
+from driftform_networks.passages.passage import find_loops, follow
 from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
 from driftform_networks.passages.walkers import count_ends, summarise_walks, walk
 from driftform_networks.planning.following import route, trace
@@ -18,7 +17,7 @@ LENGTH, AREA = 100.0, 0.01
 """Of every pipe, m and m2."""
 
 
-def make_network(flows: Mapping[str, float | Sequence[float]], kinds: Mapping[str, str] = {}) -> Network:
+def make_network(flows, kinds=None):
     """Pipes such as ``"ab"`` from a to b, with their flows, m3/s, at each hour; demands are what the flows leave."""
     nodes = tuple(dict.fromkeys("".join(flows)))
     flow = np.array([np.atleast_1d(values) for values in flows.values()], float).T
@@ -33,7 +32,7 @@ def make_network(flows: Mapping[str, float | Sequence[float]], kinds: Mapping[st
         name="by hand",
         digest="",
         nodes=nodes,
-        node_kinds=tuple(kinds.get(node, "junction") for node in nodes),
+        node_kinds=tuple((kinds or {}).get(node, "junction") for node in nodes),
         elevation=np.zeros(len(nodes)),
         places=np.zeros((len(nodes), 2)),
         links=tuple(flows),
@@ -47,15 +46,15 @@ def make_network(flows: Mapping[str, float | Sequence[float]], kinds: Mapping[st
     )
 
 
-def travel_time(flow: float) -> float:
+def travel_time(flow):
     return LENGTH * AREA / flow
 
 
-def find_ends(passage: Passage) -> dict[tuple[str, str], float]:
+def find_ends(passage):
     return {(end.kind, end.place): end.probability for end in passage.ends}
 
 
-def test_tracers_divide_at_two_forks_by_the_product_of_the_shares() -> None:
+def test_tracers_divide_at_two_forks_by_the_product_of_the_shares():
     """Of 12 litres/s from a, 8 go on at b, of which 2 leave with its demand, and 5 at c."""
     network = make_network({"ab": 0.012, "bc": 0.008, "bd": 0.002, "ce": 0.005})
     passage = trace(network, "a", walks=0)
@@ -67,7 +66,7 @@ def test_tracers_divide_at_two_forks_by_the_product_of_the_shares() -> None:
     assert passage.coverage == pytest.approx((1 + 8 / 12 + 2 / 12 + 5 / 12) / 4)
 
 
-def test_the_age_where_two_ways_meet_is_their_mean_by_flow() -> None:
+def test_the_age_where_two_ways_meet_is_their_mean_by_flow():
     network = make_network({"ab": 0.003, "ac": 0.001, "bd": 0.003, "cd": 0.001})
     passage = trace(network, "a", walks=0)
     ages = [2 * travel_time(0.003), 2 * travel_time(0.001)]
@@ -75,12 +74,12 @@ def test_the_age_where_two_ways_meet_is_their_mean_by_flow() -> None:
     assert passage.age[network.find_node("d")] == pytest.approx(0.75 * ages[0] + 0.25 * ages[1])
 
 
-def make_loop() -> Network:
+def make_loop():
     """Water that a pump sends round from b over c back to b: of 4 litres/s through c, 3 return."""
     return make_network({"ab": 0.001, "bc": 0.004, "cb": 0.003, "cd": 0.001})
 
 
-def test_visits_in_a_loop_are_a_geometric_series() -> None:
+def test_visits_in_a_loop_are_a_geometric_series():
     network = make_loop()
     passage = trace(network, "a", walks=0)
     assert [network.nodes[node] for node in find_loops(take_snapshot(network))] == ["b", "c"]
@@ -93,7 +92,7 @@ def test_visits_in_a_loop_are_a_geometric_series() -> None:
     assert passage.age[network.find_node("d")] == pytest.approx(mean + travel_time(0.001), rel=1e-6)
 
 
-def test_a_branch_of_a_loop_is_entered_with_the_probability_of_all_rounds() -> None:
+def test_a_branch_of_a_loop_is_entered_with_the_probability_of_all_rounds():
     """At each pass of c a sixth leaves to e, a sixth to d, and two thirds return."""
     network = make_network({"ab": 0.002, "bc": 0.006, "cb": 0.004, "cd": 0.001, "ce": 0.001})
     passage = trace(network, "a", walks=0)
@@ -102,7 +101,7 @@ def test_a_branch_of_a_loop_is_entered_with_the_probability_of_all_rounds() -> N
     assert [seen["bc"], seen["cb"], seen["cd"], seen["ce"]] == pytest.approx([1, 2 / 3, 1 / 2, 1 / 2], rel=1e-6)
 
 
-def test_what_cannot_leave_a_loop_circles() -> None:
+def test_what_cannot_leave_a_loop_circles():
     network = make_network({"ab": 0.001, "bc": 0.004, "cb": 0.003, "cd": 0.001})
     routing = route_tracers(take_snapshot(network))
     back = routing.snapshot.outlets[network.find_node("c")]
@@ -113,7 +112,7 @@ def test_what_cannot_leave_a_loop_circles() -> None:
     assert find_ends(passage) == pytest.approx({("circling", ""): 1}, abs=1e-6)
 
 
-def test_a_body_that_each_pipe_holds_with_one_tenth_arrives_with_powers_of_nine_tenths() -> None:
+def test_a_body_that_each_pipe_holds_with_one_tenth_arrives_with_powers_of_nine_tenths():
     network = make_network({"ab": 0.001, "bc": 0.001, "cd": 0.001})
     routing = route_tracers(take_snapshot(network))
     held = TransferTable(np.array([[0.9]]), np.array([2.0]), "lies on the wall")
@@ -127,7 +126,7 @@ def test_a_body_that_each_pipe_holds_with_one_tenth_arrives_with_powers_of_nine_
     assert {end.reason for end in passage.stuck} == {"lies on the wall"}
 
 
-def make_banded(network: Network) -> Routing:
+def make_banded(network):
     """Two bands: a pipe moves 1/5 from the first to the second; the first goes to c, half of the second to d, and the rest is held."""
     snapshot = take_snapshot(network)
     transfer = TransferTable(np.array([[0.8, 0.2], [0.0, 1.0]]), np.array([1.0, 3.0]))
@@ -140,7 +139,7 @@ def make_banded(network: Network) -> Routing:
     return Routing(snapshot, [transfer] * 3, [fork, end, end], np.array([0.75, 0.25]))
 
 
-def test_bands_move_as_the_product_of_their_tables() -> None:
+def test_bands_move_as_the_product_of_their_tables():
     network = make_network({"ab": 0.002, "bc": 0.001, "bd": 0.001})
     passage = follow(make_banded(network), 0)
     # 3/4 enter in the first band, and 4/5 of these are still in it at the fork.
@@ -157,7 +156,7 @@ def test_bands_move_as_the_product_of_their_tables() -> None:
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=40, deadline=None)
-def test_all_water_of_the_only_source_is_marked(seed: int) -> None:
+def test_all_water_of_the_only_source_is_marked(seed):
     """In any network without loops, the arrivals at a node are its water over that of the source, and ends add up."""
     rng = np.random.default_rng(seed)
     names, through, flows = "abcdefgh", {"a": 1.0}, {}
@@ -179,14 +178,14 @@ def test_all_water_of_the_only_source_is_marked(seed: int) -> None:
     assert sum(end.probability for end in drawn.ends) == pytest.approx(1)
 
 
-def test_bodies_that_go_round_in_a_loop_for_ever_are_counted_as_circling() -> None:
+def test_bodies_that_go_round_in_a_loop_for_ever_are_counted_as_circling():
     routing = route_tracers(take_snapshot(make_network({"ab": 0.001, "bc": 0.003, "cb": 0.002})), retained=True)
     walks = walk([routing], [0, np.inf], 0, np.zeros(3), np.random.default_rng(1))
     assert [(end.kind, end.probability) for end in count_ends(walks, [routing])] == [("circling", pytest.approx(1))]
 
 
 @pytest.mark.parametrize("make", [make_loop, lambda: make_network({"ab": 0.002, "bc": 0.001, "bd": 0.001})])
-def test_walks_agree_with_the_chain_that_they_are_drawn_from(make: object) -> None:
+def test_walks_agree_with_the_chain_that_they_are_drawn_from(make):
     network = make()  # type: ignore[operator]
     routing = make_banded(network) if len(network.links) == 3 else route_tracers(take_snapshot(network))
     exact, count = follow(routing, 0), 40_000
@@ -199,7 +198,7 @@ def test_walks_agree_with_the_chain_that_they_are_drawn_from(make: object) -> No
     assert drawn.visits == pytest.approx(exact.visits, rel=0.05)
 
 
-def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_went() -> None:
+def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_went():
     """An hour of 0.1 litres/s into a pipe of 1000 litres, and an hour of 0.2 back: it turns after 36 % of the pipe."""
     network = make_network({"ab": [1e-4, -2e-4], "ca": [1e-4, -2e-4]}, {"b": "tank", "c": "reservoir"})
     passage = trace(network, "a", walks=50)
@@ -210,7 +209,7 @@ def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_wen
     assert passage.probability == pytest.approx([1, 0, 0])
 
 
-def test_a_body_is_as_fast_as_the_flow_of_each_hour() -> None:
+def test_a_body_is_as_fast_as_the_flow_of_each_hour():
     """An hour of 0.1 litres/s takes it through 360 of 1000 litres, and 0.2 litres/s through the other 640 in 3200 s."""
     passage = trace(make_network({"ab": [1e-4, 2e-4]}), "a", walks=50)
     assert passage.probability == pytest.approx([1, 1])
@@ -219,18 +218,18 @@ def test_a_body_is_as_fast_as_the_flow_of_each_hour() -> None:
     assert steady.age[1] == pytest.approx(10_000)
 
 
-def test_a_body_waits_in_an_hour_without_any_flow() -> None:
+def test_a_body_waits_in_an_hour_without_any_flow():
     passage = trace(make_network({"ab": [1e-4, 0.0, 2e-4]}), "a", walks=50)
     assert passage.age[1] == pytest.approx(3600 + 3600 + 3200)
 
 
-def test_a_wide_body_waits_at_a_dead_end_until_water_leads_on() -> None:
+def test_a_wide_body_waits_at_a_dead_end_until_water_leads_on():
     passage = route(make_network({"ab": [1e-3, 1e-3], "bc": [0.0, 1e-3]}), "sphere:60mm", "a", walks=50)
     assert passage.quantiles[2].min() > 3600
     assert find_ends(passage) == {("stuck", "c"): 1.0}
 
 
-def test_flows_that_do_not_change_are_the_same_with_and_without_steps() -> None:
+def test_flows_that_do_not_change_are_the_same_with_and_without_steps():
     flows = {"ab": [0.012] * 3, "bc": [0.008] * 3, "bd": [0.004] * 3}
     network = make_network(flows)
     steady = trace(network, "a", steady=True, walks=0)

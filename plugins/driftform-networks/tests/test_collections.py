@@ -10,17 +10,14 @@ import os
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.types import FloatArray
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot
+from driftform_networks.hydraulics.network import STILL, take_snapshot
 from driftform_networks.passages.passage import follow
 from driftform_networks.passages.routing import route_tracers
 
@@ -48,21 +45,19 @@ TRIALS, ACCURACY = 0, 1
 
 
 @pytest.fixture(scope="module")
-def files() -> list[Path]:
+def files():
     """The files of the collections, each content once."""
     if not FOLDER:
         pytest.skip("DRIFTFORM_INP names no folder with EPANET files")
-    found: dict[str, Path] = {}
+    found = {}
     for path in sorted(Path(FOLDER).rglob("*")):
         if path.suffix.lower() == ".inp":
             found.setdefault(hashlib.sha256(path.read_bytes()).hexdigest(), path)
     return list(found.values())
 
 
-def test_every_file_that_epanet_runs_loads_and_every_other_one_is_one_line(
-    files: list[Path], tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
-) -> None:
-    counts: Counter[tuple[str, str]] = Counter()
+def test_every_file_that_epanet_runs_loads_and_every_other_one_is_one_line(files, tmp_path, publish):
+    counts = Counter()
     for path in files:
         command = [sys.executable, "-c", ASK_EPANET, str(path), str(tmp_path / "report")]
         asked = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, cwd=tmp_path)
@@ -81,7 +76,7 @@ def test_every_file_that_epanet_runs_loads_and_every_other_one_is_one_line(
     publish("collections", lines)
 
 
-def converge(path: Path, folder: Path) -> Path:
+def converge(path, folder):
     """Return a copy of a file whose flows EPANET finds to 1e-8: with a loose `ACCURACY` they depend on where it begins."""
     import epanet
 
@@ -98,10 +93,10 @@ def converge(path: Path, folder: Path) -> Path:
     return copy
 
 
-def find_quality(epanet: Any, path: Path, quality: int, trace: str, hours: float, step: int) -> FloatArray:
+def find_quality(epanet, path, quality, trace, hours, step):
     """EPANET's quality at each node after so many hours at the flows of hour 0."""
 
-    def prepare(call: Callable[..., Any]) -> None:
+    def prepare(call):
         for count, delete in ((5, "deletecontrol"), (6, "deleterule")):
             for number in range(call("getcount", count), 0, -1):
                 call(delete, number)
@@ -120,27 +115,27 @@ def find_quality(epanet: Any, path: Path, quality: int, trace: str, hours: float
     return values[-1]
 
 
-def find_source(snapshot: Snapshot) -> int:
+def find_source(snapshot):
     """The reservoir that gives most."""
     network = snapshot.network
     found = [node for node in np.flatnonzero(network.stores) if network.node_kinds[node] == "reservoir"]
     return int(max(found, key=lambda node: snapshot.departure[node]))
 
 
-def find_file(files: list[Path], name: str) -> Path:
+def find_file(files, name):
     found = [path for path in files if path.stem == name]
     assert found, f"{FOLDER} has no {name}.inp"
     return found[0]
 
 
-def arriving(network: Network, flow: FloatArray) -> FloatArray:
+def arriving(network, flow):
     nodes = len(network.nodes)
     return np.bincount(network.end, np.maximum(flow, 0), nodes) + np.bincount(
         network.start, np.maximum(-flow, 0), nodes
     )
 
 
-def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path: Path, epanet: Any) -> None:
+def test_tracers_are_the_trace_and_the_age_of_epanet(files, tmp_path, epanet):
     print("| network | links | TRACE, points | AGE, relative | nodes with AGE |")
     aged = 0
     for name in STEADY:
@@ -173,7 +168,7 @@ def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path
     assert aged >= 12
 
 
-def find_unknown(snapshot: Snapshot, sources: Sequence[int]) -> np.ndarray:
+def find_unknown(snapshot, sources):
     """Which nodes have water of tanks, of links that take it longer than 200 h, or of check valves.
 
     EPANET counts the time in pipes alone (`reactpipes` of its qualreact.c): water in a pipe with a check valve does not age.

@@ -6,26 +6,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.bodies import open_traveller
 from driftform_networks.flights.bore import BANDS, MIXED
 from driftform_networks.flights.junctions import Junction, divide_bodies
 from driftform_networks.passages.routing import TEE
 
 
 @pytest.fixture(scope="module")
-def sphere() -> Traveller:
+def sphere():
     """A sphere of 60 mm."""
     return open_traveller("sphere:60mm")
 
 
-def make_tee(
-    share: float = 0.3,
-    bore: float = 0.3,
-    side: float = 0.3,
-    exit_share: float = 0.0,
-    stores: bool = False,
-    offtake: float = 0.02,
-) -> Junction:
+def make_tee(share=0.3, bore=0.3, side=0.3, exit_share=0.0, stores=False, offtake=0.02):
     """A run that goes straight on, and a branch to the right that takes ``share`` of the water."""
     return Junction(
         bore,
@@ -40,16 +33,14 @@ def make_tee(
     )
 
 
-def cut_segment(height: float) -> float:
+def cut_segment(height):
     """Share of a disc of radius 1 beyond a line at the distance ``height`` from its centre."""
     return (math.acos(height) - height * math.sqrt(1 - height**2)) / math.pi
 
 
 @pytest.mark.parametrize("share", [0.2, 0.4])
 @pytest.mark.parametrize("bore", [0.3, 0.15])
-def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_it(
-    sphere: Traveller, share: float, bore: float
-) -> None:
+def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_it(sphere, share, bore):
     """Water within a radius of the wall carries a body too, whose centre lies on the circle that it can reach."""
     room = 1 - 0.06 / bore
     height = brentq(lambda h: cut_segment(h) - share, 0, 1)
@@ -62,12 +53,12 @@ def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_i
     assert not table.leaves.any()
 
 
-def test_a_link_without_a_bore_has_the_room_of_the_widest_outlet(sphere: Traveller) -> None:
+def test_a_link_without_a_bore_has_the_room_of_the_widest_outlet(sphere):
     pump, pipe = (divide_bodies(sphere, make_tee(bore=bore), None) for bore in (0.0, 0.3))
     assert pump.choice == pytest.approx(pipe.choice)
 
 
-def test_bodies_of_a_band_divide_as_counted(sphere: Traveller) -> None:
+def test_bodies_of_a_band_divide_as_counted(sphere):
     """Of four in band 3, one lies where the water goes on."""
     points = np.array([[3, 0.8, 0.0], [3, 0.75, 0.0], [3, 0.7, 0.1], [3, -0.2, 0.0], [7, -0.8, 0.0]])
     table = divide_bodies(sphere, make_tee(), points)
@@ -79,12 +70,12 @@ def test_bodies_of_a_band_divide_as_counted(sphere: Traveller) -> None:
     assert nowhere.choice == pytest.approx(np.tile(anywhere, (BANDS, 1)))
 
 
-def test_a_single_outlet_takes_all(sphere: Traveller) -> None:
+def test_a_single_outlet_takes_all(sphere):
     one = Junction(0.3, np.array([0.3]), np.ones(1), 0.0, np.zeros((1, 2)), np.zeros(1), False, 1, 0.02)
     assert divide_bodies(sphere, one, None).choice == pytest.approx(np.ones((BANDS, 1)))
 
 
-def test_a_branch_that_is_too_narrow_holds_the_bodies_that_its_water_carries(sphere: Traveller) -> None:
+def test_a_branch_that_is_too_narrow_holds_the_bodies_that_its_water_carries(sphere):
     open_one, narrow = (divide_bodies(sphere, make_tee(side=side), None) for side in (0.3, 0.05))
     assert narrow.choice[:, 0] == pytest.approx(open_one.choice[:, 0])
     assert not narrow.choice[:, 1].any()
@@ -93,22 +84,20 @@ def test_a_branch_that_is_too_narrow_holds_the_bodies_that_its_water_carries(sph
 
 
 @pytest.mark.parametrize(("service", "leaves"), [(0.06, 0.0), (0.061, 0.4)])
-def test_the_demand_takes_its_share_of_bodies_that_fit_service_pipes(
-    sphere: Traveller, service: float, leaves: float
-) -> None:
+def test_the_demand_takes_its_share_of_bodies_that_fit_service_pipes(sphere, service, leaves):
     table = divide_bodies(sphere, make_tee(exit_share=0.4, offtake=service), None)
     assert table.leaves == pytest.approx(np.full(BANDS, leaves))
     assert table.choice.sum(axis=1) == pytest.approx(np.full(BANDS, 1 - leaves))
 
 
-def test_all_bodies_leave_into_a_tank(sphere: Traveller) -> None:
+def test_all_bodies_leave_into_a_tank(sphere):
     table = divide_bodies(sphere, make_tee(stores=True), None)
     assert table.leaves == pytest.approx(np.ones(BANDS))
     assert not table.choice.any()
 
 
 @pytest.mark.parametrize(("service", "leaves"), [(0.02, 0.0), (0.08, 1.0)])
-def test_a_dead_end_lets_a_body_out_that_fits(sphere: Traveller, service: float, leaves: float) -> None:
+def test_a_dead_end_lets_a_body_out_that_fits(sphere, service, leaves):
     none = np.zeros(0)
     end = Junction(0.3, none, none, 1.0, np.zeros((0, 2)), none, False, 1, service)
     table = divide_bodies(sphere, end, None)
@@ -116,7 +105,7 @@ def test_a_dead_end_lets_a_body_out_that_fits(sphere: Traveller, service: float,
     assert table.obstacle == f"at a dead end: too wide for the {1000 * service:.0f} mm that its demand takes"
 
 
-def test_flights_give_the_outlet_and_the_band_in_it(sphere: Traveller) -> None:
+def test_flights_give_the_outlet_and_the_band_in_it(sphere):
     """From each band 0.5 arrive in band 2 of the run, 0.125 in band 4 of it, 0.25 in band 6 of the branch; an eighth is held."""
     onward = np.zeros((BANDS, 2, BANDS))
     onward[:, 0, 2], onward[:, 0, 4], onward[:, 1, 6] = 0.5, 0.125, 0.25

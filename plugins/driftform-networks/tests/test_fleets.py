@@ -1,10 +1,8 @@
 """Fleets: the choice against all choices, and the bounds against those of a network that is known."""
 
 import json
-from collections.abc import Callable
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -25,7 +23,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 @pytest.mark.parametrize(
     ("size", "divided", "steered"), [(1, 0.319, 0.457), (5, 0.418, 0.768), (10, 0.479, 0.912), (23, 0.583, 1.0)]
 )
-def test_the_headroom_of_net3_is_the_known_one(size: int, divided: float, steered: float, epanet: Any) -> None:
+def test_the_headroom_of_net3_is_the_known_one(size, divided, steered, epanet):
     """Drifters from River that divide like the water, and that are steered perfectly, at hour 0."""
     network = epanet.read_library("Net3")
     snapshot, river = take_snapshot(network), network.find_node("River")
@@ -38,7 +36,7 @@ def test_the_headroom_of_net3_is_the_known_one(size: int, divided: float, steere
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5), st.integers(1, 4))
 @settings(max_examples=60, deadline=None)
-def test_the_greedy_choice_and_its_bound_enclose_the_best_choice(seed: int, bodies: int, size: int) -> None:
+def test_the_greedy_choice_and_its_bound_enclose_the_best_choice(seed, bodies, size):
     rng = np.random.default_rng(seed)
     seen = rng.random((bodies, 6)) * (rng.random((bodies, 6)) < 0.6)
     seen[0, 0] = 0.5
@@ -55,13 +53,13 @@ def test_the_greedy_choice_and_its_bound_enclose_the_best_choice(seed: int, bodi
     assert exchanged[-1] == pytest.approx(length @ (1 - np.prod(1 - seen[chosen], axis=0)) / length.sum())
 
 
-def test_rows_are_chosen_far_from_each_other() -> None:
+def test_rows_are_chosen_far_from_each_other():
     points = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 0.0], [0.0, 9.0], [9.9, 0.1]])
     assert spread_rows(points, 3).tolist() == [1, 3, 0]
     assert len(spread_rows(points, 9)) == 4
 
 
-def test_a_fleet_has_the_keys_of_the_contract_and_its_files(call: Callable[..., Any], fork_file: Path) -> None:
+def test_a_fleet_has_the_keys_of_the_contract_and_its_files(call, fork_file):
     words = ["fleet", fork_file, "--release", "source", "--size", 4, "--buoyancy", 0, "--agent", WORD]
     files = ["--map", "map.svg", "--tables", "tables", "--report", "fleet.html", "--agents", "agents"]
     result = call(*words, *files, "--json")

@@ -7,7 +7,6 @@ import math
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +28,7 @@ COMMANDS = {
 }
 
 
-def write_town(path: Path, pipes: int) -> None:
+def write_town(path, pipes):
     """Write a square grid of streets of 100 m, fed at a corner; every seventh street is a main."""
     side = round((1 + math.sqrt(1 + 2 * pipes)) / 2)
     rng = np.random.default_rng(0)
@@ -55,7 +54,7 @@ def write_town(path: Path, pipes: int) -> None:
     path.write_text("".join(f"[{name}]\n" + "\n".join(lines) + "\n" for name, lines in sections.items()))
 
 
-def measure(file: Path, words: Sequence[str]) -> tuple[float, float]:
+def measure(file, words):
     """Processor time, s, and memory, bytes, of a command with its child processes."""
     program = Path(sys.executable).with_name("driftform")
     command = [program, "network", words[0], str(file), *words[1:], "--cache", str(file.parent)]
@@ -66,7 +65,7 @@ def measure(file: Path, words: Sequence[str]) -> tuple[float, float]:
     return used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
 
 
-def test_time_grows_no_faster_than_n_log_n(tmp_path: Path) -> None:
+def test_time_grows_no_faster_than_n_log_n(tmp_path):
     print(f"\n| pipes | n log n | {' | '.join(COMMANDS)} | MB |")
     found = []
     # What is compiled once per machine is not timed.

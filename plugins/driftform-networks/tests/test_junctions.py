@@ -12,7 +12,7 @@ import driftform
 from driftform.errors import WorkFailedError
 from driftform.types import End
 from driftform.water import Scenario
-from driftform_networks.flights.bodies import FLOWN_BY, Traveller, open_traveller
+from driftform_networks.flights.bodies import FLOWN_BY, open_traveller
 from driftform_networks.flights.bore import (
     BANDS,
     MIXED,
@@ -27,17 +27,17 @@ from driftform_networks.flights.junctions import describe_junction, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask, fly
 from driftform_networks.flights.travelling import repeat_cells
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.network import Network, take_snapshot
+from driftform_networks.hydraulics.network import take_snapshot
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.choosing import bound_steering
 
 
 @pytest.fixture(scope="module")
-def sphere() -> Traveller:
+def sphere():
     return open_traveller("sphere:60mm")
 
 
-def draw_fork(fork_file: Path, side: float = 100.0) -> Network:
+def draw_fork(fork_file, side=100.0):
     """The fork with another length of its side, m; drawn are 200, 200 and 100."""
     network = open_network(fork_file)
     assert network.links == ("main", "on", "side")
@@ -45,14 +45,14 @@ def draw_fork(fork_file: Path, side: float = 100.0) -> Network:
 
 
 @given(st.floats(0.1, 2), st.floats(0.1, 2))
-def test_the_longest_rod_around_a_right_angle_is_that_of_the_ladder(first: float, second: float) -> None:
+def test_the_longest_rod_around_a_right_angle_is_that_of_the_ladder(first, second):
     ladder = (first ** (2 / 3) + second ** (2 / 3)) ** 1.5
     assert longest_rod(first, second, np.pi / 2, 0.0) == pytest.approx(ladder, rel=1e-5)
     assert longest_rod(first, second, 0.0, 0.05) == np.inf and longest_rod(first, second, np.pi / 2, 2.0) == 0.0
 
 
 @given(st.floats(0.0, 0.9), st.floats(0.1, 2.8))
-def test_a_wide_rod_between_equal_bores_passes_the_corner_at_its_middle(width: float, turn: float) -> None:
+def test_a_wide_rod_between_equal_bores_passes_the_corner_at_its_middle(width, turn):
     """In the middle the rod lies across the bisector, at which its outer side is as far from the corner as its inner side from the edge."""
     half = (np.pi - turn) / 2
     middle = 2 * (1 / np.sin(half) - width) * np.tan(half)
@@ -61,7 +61,7 @@ def test_a_wide_rod_between_equal_bores_passes_the_corner_at_its_middle(width: f
         assert longest_rod(1.0, 1.0, turn, width) == pytest.approx(middle, rel=1e-5)
 
 
-def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not(sphere: Traveller) -> None:
+def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not(sphere):
     body = sphere.agent.body
     assert find_obstacle(body, 0.1, 0.059, 0.0) == "too wide: 60 mm in a bore of 59 mm"
     # A sphere passes where the rod around it does, which is as long as it is wide.
@@ -77,7 +77,7 @@ def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_doe
 
 
 @pytest.mark.parametrize("side", [100.0, 200.0])
-def test_the_fork_is_a_tee_with_a_branch_at_the_right(side: float, fork_file: Path) -> None:
+def test_the_fork_is_a_tee_with_a_branch_at_the_right(side, fork_file):
     """Also where a side of 200 m is drawn with 100, so that the map says nothing about angles."""
     network = draw_fork(fork_file, side)
     assert network.scale == (pytest.approx(1) if side == 100 else None)
@@ -95,7 +95,7 @@ def test_the_fork_is_a_tee_with_a_branch_at_the_right(side: float, fork_file: Pa
     assert bottom == pytest.approx([0, -1])
 
 
-def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -> None:
+def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file):
     """From (0, 0) to (200, 0) over (50, 50) and (100, 0): 141 m, and 100 m on."""
     network = draw_fork(fork_file)
     points = np.array([[50.0, 50.0], [100.0, 0.0]])
@@ -111,7 +111,7 @@ def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -
 
 
 @pytest.mark.parametrize(("reverse", "side"), [(False, 1), (True, -1)])
-def test_right_and_left_are_those_of_the_way_of_the_water(reverse: bool, side: int, fork_file: Path) -> None:
+def test_right_and_left_are_those_of_the_way_of_the_water(reverse, side, fork_file):
     """Water from the west finds the branch to the south at its right, and water from the east at its left."""
     network = draw_fork(fork_file)
     if reverse:
@@ -125,7 +125,7 @@ def test_right_and_left_are_those_of_the_way_of_the_water(reverse: bool, side: i
 
 
 @given(st.floats(0.02, 0.98))
-def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float) -> None:
+def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share):
     """Its distance from the wall is the size at which a sphere can enter no smaller branch."""
     points = np.column_stack([np.linspace(-1, 1, 2001), np.zeros(2001)])
     entered = divide_bore(points, np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([1 - share, share]))[:, 1]
@@ -136,7 +136,7 @@ def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float
 
 
 @given(cells=st.integers(1, 40), seed=st.integers(0, 2**32 - 1))
-def test_a_run_of_cells_is_the_power_of_one(sphere: Traveller, cells: int, seed: int) -> None:
+def test_a_run_of_cells_is_the_power_of_one(sphere, cells, seed):
     rng = np.random.default_rng(seed)
     transfer = rng.dirichlet(np.ones(BANDS), BANDS) * rng.uniform(0.9, 1, (BANDS, 1))
     slowness = rng.uniform(1, 3, BANDS)
@@ -153,7 +153,7 @@ def test_a_run_of_cells_is_the_power_of_one(sphere: Traveller, cells: int, seed:
 
 
 @pytest.mark.parametrize("room", [0.3, 1.0])
-def test_points_of_a_band_are_found_in_it_and_bands_have_equal_areas(room: float) -> None:
+def test_points_of_a_band_are_found_in_it_and_bands_have_equal_areas(room):
     numbers = np.random.default_rng(0).random((200, 2))
     for band in range(BANDS):
         assert (find_band(sample_band(band, room, numbers), room) == band).all()
@@ -161,7 +161,7 @@ def test_points_of_a_band_are_found_in_it_and_bands_have_equal_areas(room: float
     assert found / found.sum() == pytest.approx(MIXED)
 
 
-def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(fork_file: Path) -> None:
+def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(fork_file):
     network = open_network(fork_file)
     snapshot, source = take_snapshot(network), network.find_node("source")
     reachable = find_reachable(network, source, [0])
@@ -170,9 +170,7 @@ def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(f
 
 
 @pytest.mark.parametrize("is_damaged", [False, True])
-def test_a_network_from_the_cache_is_the_one_that_was_computed(
-    fork_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], is_damaged: bool
-) -> None:
+def test_a_network_from_the_cache_is_the_one_that_was_computed(fork_file, tmp_path, capsys, is_damaged):
     computed = open_network(fork_file, tmp_path)
     copy = tmp_path / "other.inp"
     copy.write_bytes(fork_file.read_bytes())
@@ -193,14 +191,12 @@ def test_a_network_from_the_cache_is_the_one_that_was_computed(
                 assert np.array_equal(again, value), name
 
 
-def test_the_code_that_decides_flights_is_where_its_hash_looks_for_it() -> None:
+def test_the_code_that_decides_flights_is_where_its_hash_looks_for_it():
     core = Path(driftform.__file__).parent
     assert all(list((core / name).glob("*.py")) for name in FLOWN_BY)
 
 
-def test_a_flight_that_has_taken_all_its_steps_counts_and_one_that_broke_off_does_not(
-    sphere: Traveller, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_flight_that_has_taken_all_its_steps_counts_and_one_that_broke_off_does_not(sphere, monkeypatch):
     scenario = Scenario.model_validate(sphere.scenario.model_dump() | {"flight": {"horizon": 1.0}})
     [whole] = fly(sphere, [scenario], "in a pipe")
     assert whole is not None and not whole.end.failed

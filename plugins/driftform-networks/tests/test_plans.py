@@ -3,11 +3,9 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +24,7 @@ from driftform_networks.planning.sights import find_heard, group_sight, read_pip
 
 @given(seed=st.integers(0, 2**32 - 1), places=st.integers(1, 5), size=st.integers(1, 3))
 @settings(max_examples=60, deadline=None)
-def test_no_choice_of_nets_is_worth_more_than_the_bound(seed: int, places: int, size: int) -> None:
+def test_no_choice_of_nets_is_worth_more_than_the_bound(seed, places, size):
     """And exchanging one net for another does not improve the choice."""
     rng = np.random.default_rng(seed)
     times = rng.random((places, 7))
@@ -47,7 +45,7 @@ def test_no_choice_of_nets_is_worth_more_than_the_bound(seed: int, places: int, 
     assert (1 - 1 / np.e) * best - 1e-9 <= caught <= best <= most + 1e-9
 
 
-def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(fork_file: Path, tmp_path: Path) -> None:
+def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(fork_file, tmp_path):
     network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
     found = plan_inspection(network, bodies, ["source"], 2, size=1, walks=400, cache=tmp_path)
     assert set(found.nets) == {"ahead", "branch"}
@@ -60,7 +58,7 @@ def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(f
     assert one == "fork"
 
 
-def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file: Path, tmp_path: Path) -> None:
+def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file, tmp_path):
     network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
     # The water takes 470 s through the main, 707 s through the run and 1414 s through the branch.
     more = {"size": 1, "walks": 50, "demand_error": 0.0, "cache": tmp_path}
@@ -73,7 +71,7 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file:
     assert {end.kind for end in passage.ends} == {"demand", "under way"}
 
 
-def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callable[..., Any], epanet: Any) -> None:
+def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call, epanet):
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
     words += ["--agent", "sphere:5mm"]
     files = ["--gis", "gis", "--crs", "EPSG:25832", "--map", "plan.svg", "--tables", "tables", "--report", "plan.html"]
@@ -87,16 +85,16 @@ def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callab
     assert "net " in Path("plan.svg").read_text() and "viewBox" in Path("plan.html").read_text()
 
 
-def test_fleets_in_changing_flows_keep_below_what_steering_sees(epanet: Any, tmp_path: Path) -> None:
+def test_fleets_in_changing_flows_keep_below_what_steering_sees(epanet, tmp_path):
     network, sphere = epanet.read_library("Net3"), [open_traveller("sphere:5mm")]
-    more: dict[str, Any] = {"within": 6.0, "walks": 200, "cache": tmp_path}
+    more = {"within": 6.0, "walks": 200, "cache": tmp_path}
     found = plan_fleet(network, sphere, ["61"], 3, **more)
     assert (found.curve <= found.bound + 1e-9).all() and (np.diff(found.bound) >= -1e-9).all()
     # A narrow body that the water mixes is a tracer.
     assert found.curve == pytest.approx(found.tracers, abs=0.03)
 
 
-def test_receivers_hear_along_the_pipes_and_not_across(fork_file: Path, tmp_path: Path) -> None:
+def test_receivers_hear_along_the_pipes_and_not_across(fork_file, tmp_path):
     network = open_network(fork_file, tmp_path)
     at = [network.find_node("ahead")]
     assert find_heard(network, at, 150.0) == pytest.approx([0, 0.75, 0])
@@ -105,9 +103,7 @@ def test_receivers_hear_along_the_pipes_and_not_across(fork_file: Path, tmp_path
     assert find_heard(network, both, 120.0) == pytest.approx([0.6, 0.6, 0])
 
 
-def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
-    fork_file: Path, tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(fork_file, tmp_path, call):
     network = open_network(fork_file, tmp_path)
     Path("pipes.csv").write_text("pipe,material,risk\nmain,iron,1\non,iron,3\nside,lead,4\n")
     columns = read_pipes(Path("pipes.csv"), network)
@@ -138,7 +134,7 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
     assert document["heard"] == pytest.approx(0.25 * 2 / 3)
 
 
-def test_many_numbers_are_grouped_into_classes_of_about_equal_length(epanet: Any) -> None:
+def test_many_numbers_are_grouped_into_classes_of_about_equal_length(epanet):
     network = epanet.read_library("Net3")
     reachable, years = network.length > 0, [f"{1950 + row % 40}" for row in range(len(network.links))]
     groups = group_sight(network, np.full(len(years), 0.25), reachable, years)
@@ -148,7 +144,7 @@ def test_many_numbers_are_grouped_into_classes_of_about_equal_length(epanet: Any
     assert all(share == pytest.approx(0.25) for *_, share in groups)
 
 
-def test_hydrants_are_read_with_a_heading_and_without(fork_file: Path, tmp_path: Path) -> None:
+def test_hydrants_are_read_with_a_heading_and_without(fork_file, tmp_path):
     network, path = open_network(fork_file, tmp_path), tmp_path / "hydrants.csv"
     path.write_text("hydrant;street\nfork;Main Street\n# closed\n\nahead;\n")
     assert read_names(path, network) == ["fork", "ahead"]
@@ -158,18 +154,18 @@ def test_hydrants_are_read_with_a_heading_and_without(fork_file: Path, tmp_path:
 
 
 @pytest.mark.parametrize("text", ["6-", "18-6", "a", "0-24/0"])
-def test_hours_that_are_none_are_refused(text: str) -> None:
+def test_hours_that_are_none_are_refused(text):
     with pytest.raises(InputError, match="expected hours such as"):
         parse_hours(text)
 
 
-def test_clock_times_count_from_the_clock_at_which_the_simulation_begins(epanet: Any) -> None:
+def test_clock_times_count_from_the_clock_at_which_the_simulation_begins(epanet):
     hydraulics = replace(epanet.read_library("Net3").hydraulics, clock=6 * 3600.0)
     assert hydraulics.format_clock(2.0, 900.0) == "08:15"
     assert hydraulics.format_clock(18.0, 3600.0) == "1 d 01:00"
 
 
-def test_gdal_reads_the_maps_with_their_reference_system(epanet: Any, tmp_path: Path, call: Callable[..., Any]) -> None:
+def test_gdal_reads_the_maps_with_their_reference_system(epanet, tmp_path, call):
     if shutil.which("ogrinfo") is None:
         pytest.skip("ogrinfo of gdal-bin is not installed")
     folder = tmp_path / "gis"

@@ -1,9 +1,7 @@
 """Files as utilities have them: their letters, their faults, and changes to the model without editing them."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ import pytest
 from driftform.errors import InputError
 from driftform_networks.flights.travelling import Travel
 from driftform_networks.hydraulics.epanet import Changes, open_network
-from driftform_networks.hydraulics.network import Network
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.following import route, trace
 
@@ -24,7 +21,7 @@ IN_A_ROW = Path(__file__).with_name("in_a_row.inp").read_text()
 PUMPED = Path(__file__).with_name("pumped.inp").read_text()
 
 
-def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:
+def write(folder, text, encoding="utf-8"):
     path = folder / "town.inp"
     path.write_bytes(text.encode(encoding))
     return path
@@ -42,13 +39,13 @@ def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:
         ("Nœud", "cp1252"),
     ],
 )
-def test_names_are_read_in_the_letters_in_which_they_were_written(name: str, encoding: str, tmp_path: Path) -> None:
+def test_names_are_read_in_the_letters_in_which_they_were_written(name, encoding, tmp_path):
     network = open_network(write(tmp_path, FORK.replace("fork", name), encoding), tmp_path)
     assert network.nodes[0] == name
     assert trace(network, "source", walks=0).probability[0] == 1
 
 
-def test_a_file_without_units_has_those_of_epanet(tmp_path: Path) -> None:
+def test_a_file_without_units_has_those_of_epanet(tmp_path):
     """EPANET's default is GPM, with feet and inches."""
     network = open_network(write(tmp_path, UNITS), tmp_path)
     assert "no Units in [OPTIONS]: flows are GPM" in network.hydraulics.warnings[0]
@@ -57,7 +54,7 @@ def test_a_file_without_units_has_those_of_epanet(tmp_path: Path) -> None:
     assert network.hydraulics.flow[0] == pytest.approx(np.array([30, 20, 10]) * 6.30901964e-05, rel=2e-5)
 
 
-def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path: Path) -> None:
+def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path):
     assert open_network(write(tmp_path, PUMPED), tmp_path).hydraulics.clock == 6 * 3600
 
 
@@ -74,15 +71,13 @@ def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path: Path
         ("", "Error 223: not enough nodes"),
     ],
 )  # fmt: skip
-def test_a_file_that_epanet_cannot_run_is_one_line_that_names_what_is_wrong(
-    text: str, expected: str, tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_a_file_that_epanet_cannot_run_is_one_line_that_names_what_is_wrong(text, expected, tmp_path, call):
     result = call("show", write(tmp_path, text))
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1), result.output
     assert expected in result.stderr
 
 
-def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path: Path, call: Callable[..., Any]) -> None:
+def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path, call):
     path = write(tmp_path, FORK.replace("source 60", "source 9"))
     for words in (["show"], ["tracers", "--release", "source"]):
         result = call(words[0], path, *words[1:])
@@ -91,9 +86,7 @@ def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path: Path, 
         assert "ahead -1." in result.stdout
 
 
-def test_absurd_bores_and_speeds_are_warnings_and_bores_in_metres_end_a_trip(
-    tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_absurd_bores_and_speeds_are_warnings_and_bores_in_metres_end_a_trip(tmp_path, call):
     shown = call("show", write(tmp_path, FORK.replace("branch 200 300", "branch 200 12"))).stdout
     assert "1 bores are not from 20 mm to 4 m: side 12 mm" in shown
     assert "1 pipes are faster than 10 m/s: side 88.4 m/s" in shown
@@ -101,13 +94,13 @@ def test_absurd_bores_and_speeds_are_warnings_and_bores_in_metres_end_a_trip(
     assert result.exit_code == 2 and "the median bore is 0.3 mm" in result.stderr
 
 
-def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(tmp_path: Path, call: Callable[..., Any]) -> None:
+def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(tmp_path, call):
     path = write(tmp_path, FORK.replace("200 300 100 0 Open\n on", "200 300 100 0 Closed\n on"))
     assert call("show", path).exit_code == 0
     assert call("tracers", path, "--release", "source").exit_code == 2
 
 
-def test_reservoirs_end_what_water_of_another_one_reaches(tmp_path: Path) -> None:
+def test_reservoirs_end_what_water_of_another_one_reaches(tmp_path):
     network = open_network(write(tmp_path, IN_A_ROW), tmp_path)
     names = {link for link, reached in zip(network.links, find_reachable(network, network.find_node("high"), [0]), strict=True) if reached}  # fmt: skip
     assert names == {"one", "two"}
@@ -116,7 +109,7 @@ def test_reservoirs_end_what_water_of_another_one_reaches(tmp_path: Path) -> Non
     assert passage.probability[network.find_node("b")] == 0
 
 
-def test_a_pump_ends_a_trip_and_the_table_names_it(tmp_path: Path, call: Callable[..., Any]) -> None:
+def test_a_pump_ends_a_trip_and_the_table_names_it(tmp_path, call):
     path = write(tmp_path, PUMPED)
     document = json.loads(call("route", path, "sphere:60mm", "--release", "well", "--json").stdout)
     assert set(document["nodes"]) == {"well", "before"}
@@ -125,7 +118,7 @@ def test_a_pump_ends_a_trip_and_the_table_names_it(tmp_path: Path, call: Callabl
     assert end["reason"] == "before a pump that lets no body pass (release behind it, at behind)"
 
 
-def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path: Path) -> None:
+def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path):
     network = open_network(write(tmp_path, PUMPED), tmp_path)
     travel = Travel(clearance={"pump": 1.0})
     narrow, wide = (
@@ -139,24 +132,24 @@ def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path: P
     assert route(network, "sphere:80mm", "well", travel=by_name, walks=0, cache=tmp_path).gates["reducer"]
 
 
-def test_tracers_of_a_network_that_divides_nowhere_are_followed(tmp_path: Path) -> None:
+def test_tracers_of_a_network_that_divides_nowhere_are_followed(tmp_path):
     text = FORK.replace(" side fork branch 200 300 100 0 Open\n", "").replace(" branch 10 10\n", "")
     passage = trace(open_network(write(tmp_path, text.replace(" branch 200 -100\n", "")), tmp_path), "source")
     assert passage.probability == pytest.approx([1, 1, 1])
 
 
-def open_changed(folder: Path, text: str = FORK, **changes: Any) -> Network:
+def open_changed(folder, text=FORK, **changes):
     return open_network(write(folder, text), folder, Changes(**changes))
 
 
-def test_a_closed_pipe_carries_nothing_and_an_open_hydrant_draws_its_flow(tmp_path: Path) -> None:
+def test_a_closed_pipe_carries_nothing_and_an_open_hydrant_draws_its_flow(tmp_path):
     network = open_changed(tmp_path, FORK.replace("branch 10 10", "branch 10 0"), close=("side",))
     assert network.hydraulics.flow[0] == pytest.approx([0.02, 0.02, 0], abs=1e-9)
     network = open_changed(tmp_path, open={"branch": 5.0})
     assert network.hydraulics.flow[0] == pytest.approx([0.035, 0.02, 0.015], abs=1e-9)
 
 
-def test_what_is_closed_stays_closed_whatever_controls_and_rules_want(tmp_path: Path) -> None:
+def test_what_is_closed_stays_closed_whatever_controls_and_rules_want(tmp_path):
     """With a loop, so that closing one pipe cuts nobody off."""
     text = FORK.replace("[OPTIONS]", " loop ahead branch 200 300 100 0 Open\n[CONTROLS]\n LINK side OPEN AT TIME 1\n"
         "[RULES]\nRULE 1\nIF SYSTEM TIME > 2\nTHEN PIPE side STATUS IS OPEN\n[OPTIONS]").replace("Duration 0", "Duration 5")  # fmt: skip
@@ -168,7 +161,7 @@ def test_what_is_closed_stays_closed_whatever_controls_and_rules_want(tmp_path: 
 
 
 @pytest.mark.parametrize("units", ["LPS", "GPM"])
-def test_a_reducing_valve_keeps_the_pressure_that_it_is_set_to(units: str, tmp_path: Path) -> None:
+def test_a_reducing_valve_keeps_the_pressure_that_it_is_set_to(units, tmp_path):
     text = PUMPED.replace("LPS", units)
     network = open_changed(tmp_path, text, valves={"reducer": 12.0})
     tap = network.find_node("tap")
@@ -183,8 +176,6 @@ def test_a_reducing_valve_keeps_the_pressure_that_it_is_set_to(units: str, tmp_p
         ({"valves": {"side": 3.0}}, "--set-valve side: not a valve"),
     ],
 )
-def test_a_change_that_the_network_does_not_have_is_refused(
-    changes: dict[str, Any], expected: str, tmp_path: Path
-) -> None:
+def test_a_change_that_the_network_does_not_have_is_refused(changes, expected, tmp_path):
     with pytest.raises(InputError, match=expected):
         open_changed(tmp_path, **changes)

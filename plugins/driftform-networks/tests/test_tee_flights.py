@@ -4,7 +4,6 @@ By hand: ``pytest -m slow -s plugins/driftform-networks/tests/test_tee_flights.p
 docs/networks.md.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 from driftform.motion.forces.spheres import make_sphere
 from driftform.types import End
 from driftform.water import Scenario
-from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.bodies import open_traveller
 from driftform_networks.flights.bore import divide_bore, smallest_share, spread_points
 from driftform_networks.flights.tees import BRANCH, HORIZON_BORES, Tee, describe_pipe, fly_tee
 
@@ -39,11 +38,11 @@ class Comparison:
 
 
 @pytest.fixture(scope="module")
-def traveller() -> Traveller:
+def traveller():
     return open_traveller("sphere:10mm")
 
 
-def compare(traveller: Traveller, size: float, tee: Tee) -> Comparison:
+def compare(traveller, size, tee):
     """Fly neutral spheres from all over the bore, those nearest to the wall as near as they can be, with friction and for longer."""
     share, horizon = tee.share or 0.0, 2 * HORIZON_BORES * BORE / SPEED
     document = describe_pipe(traveller, tee) | {"flight": {"horizon": horizon}}
@@ -72,9 +71,7 @@ def compare(traveller: Traveller, size: float, tee: Tee) -> Comparison:
     return Comparison(float(weight @ entered), float(weight @ held), float(weight @ divided))
 
 
-def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and_it_is_slow(
-    traveller: Traveller, publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and_it_is_slow(traveller, publish):
     still = open_traveller("sphere:10mm", None, ("flow.kind=log_law",))
     lines = [
         "| radius of the sphere | bore of the branch | its share of the water | no entry below | streamtubes | flights without gusts | held at its edge | with gusts | held |",

@@ -1,10 +1,8 @@
 """Which junctions are flown through, by which tees, and that their tables say what flights do."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from runpy import run_path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -42,9 +40,9 @@ CALM = ("flow.kind=log_law",)
 """Without gusts."""
 
 
-def make_junction(**changes: Any) -> Junction:
+def make_junction(**changes):
     """A tee with a branch at the left that takes a third of the water."""
-    usual: dict[str, Any] = {
+    usual = {
         "bore": 0.3,
         "bores": np.array([0.3, 0.2]),
         "shares": np.array([2 / 3, 1 / 3]),
@@ -59,28 +57,26 @@ def make_junction(**changes: Any) -> Junction:
 
 
 @given(share=st.floats(SHARES[0], SHARES[-1]))
-def test_the_shares_around_one_have_it_as_their_mean(share: float) -> None:
+def test_the_shares_around_one_have_it_as_their_mean(share):
     found = weigh_shares(share, 0.0)
     assert sum(weight for _, weight in found) == pytest.approx(1)
     assert sum(step * weight for step, weight in found) == pytest.approx(share, abs=1e-5)
 
 
 @given(size=st.floats(0.01, 0.95), part=st.floats(0.0, 0.999))
-def test_nothing_enters_an_outlet_below_the_smallest_share_of_streamtubes(size: float, part: float) -> None:
+def test_nothing_enters_an_outlet_below_the_smallest_share_of_streamtubes(size, part):
     share = part * smallest_share(size)
     assert weigh_shares(share, size) == [(0.0, 1.0)]
     assert weigh_shares(1 - share, size) == [(1.0, 1.0)]
 
 
 @given(ratio=st.floats(0.2, 1.0), size=st.floats(0.01, 0.9), angle=st.sampled_from(sorted(RATIOS)))
-def test_a_body_that_fits_into_a_branch_fits_into_the_one_that_stands_for_it(
-    ratio: float, size: float, angle: float
-) -> None:
+def test_a_body_that_fits_into_a_branch_fits_into_the_one_that_stands_for_it(ratio, size, angle):
     assert size > ratio or size < match_ratio(ratio, size, RATIOS[angle])
 
 
 @pytest.mark.parametrize("angle", sorted(RATIOS))
-def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle: float) -> None:
+def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle):
     from driftform.water.parts.tee_store import PACKAGED, file_name
     from driftform.water.parts.tee_wall import Junction
 
@@ -109,14 +105,12 @@ CROSS = {
         ({name: np.concatenate([part, part[:1]]) for name, part in CROSS.items()}, "more branches"),
     ],
 )
-def test_streamtubes_divide_what_is_no_tee_of_the_core_and_the_reason_is_named(
-    changes: dict[str, Any], reason: str
-) -> None:
+def test_streamtubes_divide_what_is_no_tee_of_the_core_and_the_reason_is_named(changes, reason):
     assert find_branches(make_junction()) == ([1], "")
     assert find_branches(make_junction(**changes)) == ([], reason)
 
 
-def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path: Any) -> None:
+def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path):
     """Of all bodies the first takes 0.4, mirrored to the left, and of the others the second 0.5."""
     cross, sphere = make_junction(**CROSS), open_traveller("sphere:60mm")
     assert find_branches(cross) == ([2, 0], "")
@@ -133,7 +127,7 @@ def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path: Any) -> 
     assert (found[0, 2, left], found[0, 0, BOTTOM], found[0, 1, RIGHT]) == pytest.approx((0.4, 0.25, 0.125))
 
 
-def test_no_body_enters_a_branch_that_takes_too_little_water(tmp_path: Any) -> None:
+def test_no_body_enters_a_branch_that_takes_too_little_water(tmp_path):
     sphere = open_traveller("sphere:60mm")
     task = TeeTask(sphere, tmp_path, Tee(0.3, 0.5, 0.5, 90.0, 90.0, 0.0), None)
     found = Traveling(sphere, Travel(), tmp_path)._fly_on(make_junction(), [(1, [(task, 1.0)])])
@@ -141,8 +135,8 @@ def test_no_body_enters_a_branch_that_takes_too_little_water(tmp_path: Any) -> N
     assert found[:, 0] == pytest.approx(np.eye(BANDS))
 
 
-def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither() -> None:
-    def meet(bore: float, turn: float, **changes: Any) -> Junction:
+def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither():
+    def meet(bore, turn, **changes):
         one = {"bores": np.array([bore]), "shares": np.ones(1), "turns": np.deg2rad([turn])}
         return make_junction(**one | {"directions": np.array([[1.0, 0.0]])} | changes)
 
@@ -158,7 +152,7 @@ def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither() -> None:
 
 
 @pytest.mark.parametrize("reverse", [False, True])
-def test_bends_within_a_link_move_bodies_between_its_runs(reverse: bool, fork_file: Any, tmp_path: Any) -> None:
+def test_bends_within_a_link_move_bodies_between_its_runs(reverse, fork_file, tmp_path):
     """A right angle to the left after a third of the way, and half of one to the right after two thirds; or backwards."""
     network = open_network(fork_file, tmp_path)
     places, points = network.places.copy(), np.array([[100.0, 0.0], [100.0, 100.0]])
@@ -196,7 +190,7 @@ def test_bends_within_a_link_move_bodies_between_its_runs(reverse: bool, fork_fi
 
 @pytest.mark.long
 @pytest.mark.parametrize(("turn", "ratio"), [(90.0, 1.0), (22.5, 1.4), (0.0, 0.5)])
-def test_small_neutral_bodies_keep_their_band_in_bends_and_reducers(turn: float, ratio: float) -> None:
+def test_small_neutral_bodies_keep_their_band_in_bends_and_reducers(turn, ratio):
     """The streamlines of the ideal flow in a bend are concentric, and those of a reducer scale with its bore."""
     states = np.zeros((BANDS, 13))
     for band in range(BANDS):
@@ -207,17 +201,17 @@ def test_small_neutral_bodies_keep_their_band_in_bends_and_reducers(turn: float,
     assert found.onward[:, RUN] == pytest.approx(np.eye(BANDS))
 
 
-def test_fittings_are_counted_once_for_all_members_and_flights_come_first() -> None:
+def test_fittings_are_counted_once_for_all_members_and_flights_come_first():
     one, two = {1: TEE, 2: "join", 3: "join"}, {1: "join", 2: TEE, 4: JOINT}
     assert count_passings([one, two]) == {"flown": {TEE: 2, JOINT: 1}, "streamtubes": {"join": 1}}
 
 
-def test_the_mirror_image_of_a_band_is_that_of_its_points() -> None:
+def test_the_mirror_image_of_a_band_is_that_of_its_points():
     points = spread_points(1.0)
     assert np.array_equal(MIRROR[find_band(points, 1.0)], find_band(points * [-1, 1], 1.0))
 
 
-def test_a_neutral_sphere_enters_a_branch_alike_on_every_side() -> None:
+def test_a_neutral_sphere_enters_a_branch_alike_on_every_side():
     """A sphere beside the branch enters it, and keeps its band as seen in the branch; one on the opposite side stays in the run."""
     sphere, entered = open_traveller("sphere:20mm", None, CALM), []
     for clock, side in ((0.0, TOP), (90.0, RIGHT), (180.0, BOTTOM)):
@@ -233,9 +227,7 @@ def test_a_neutral_sphere_enters_a_branch_alike_on_every_side() -> None:
     assert all(bands.sum() == 1 and np.array_equal(bands, entered[0]) for bands in entered)
 
 
-def test_a_wide_sphere_sees_less_of_a_slow_branch_than_water(
-    fork_file: Any, call: Callable[..., Any], tmp_path: Any
-) -> None:
+def test_a_wide_sphere_sees_less_of_a_slow_branch_than_water(fork_file, call, tmp_path):
     network = open_network(fork_file, tmp_path)
     branch = network.find_node("branch")
     narrow, wide = (route(network, name, "source", cache=tmp_path) for name in ("sphere:20mm", "sphere:80mm"))

@@ -1,34 +1,32 @@
 """Point tracers against EPANET's own quality engine, and against themselves when they are followed one by one."""
 
-from pathlib import Path
 from time import process_time
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
 
-from driftform.types import FloatArray
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot
+from driftform_networks.hydraulics.network import STILL, Network, take_snapshot
 from driftform_networks.passages.passage import follow
 from driftform_networks.passages.routing import route_tracers
 from driftform_networks.passages.walkers import Walks, walk
 from driftform_networks.planning.following import trace
 
 
-def arriving_flow(snapshot: Snapshot) -> FloatArray:
+def arriving_flow(snapshot):
     return np.bincount(snapshot.head, snapshot.flow, len(snapshot.network.nodes))
 
 
-def is_junction(network: Network) -> np.ndarray:
+def is_junction(network):
     return np.array([kind == "junction" for kind in network.node_kinds])
 
 
 @pytest.mark.parametrize(
     ("name", "release", "hours"), [("Net3", "River", 200), ("ky4", "R-1", 400), ("ky10", "R-1", 400)]
 )
-def test_visits_are_the_trace_of_epanet(name: str, release: str, hours: float, tmp_path: Path, epanet: Any) -> None:
+def test_visits_are_the_trace_of_epanet(name, release, hours, tmp_path, epanet):
     """p = TRACE Q_j / Q_s: the flux of marked water through a node, relative to that of the release."""
     path = epanet.freeze(name, tmp_path)
     network = open_network(path)
@@ -43,7 +41,7 @@ def test_visits_are_the_trace_of_epanet(name: str, release: str, hours: float, t
     assert np.abs(100 * passage.visits - expected)[settled].max() < 1e-3
 
 
-def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
+def test_mean_ages_are_those_of_epanet(tmp_path, epanet):
     """The age of water is the mean of the ages of tracers of all its sources, weighted by their flux."""
     path = epanet.freeze("Net3", tmp_path)
     network = open_network(path)
@@ -68,7 +66,7 @@ def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
 
 
 @pytest.mark.parametrize(("name", "release"), [("Net3", "River"), ("ky4", "R-1"), ("ky10", "R-2")])
-def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name: str, release: str, epanet: Any) -> None:
+def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name, release, epanet):
     snapshot = take_snapshot(epanet.read_library(name))
     node, routing = snapshot.network.find_node(release), route_tracers(snapshot)
     passage = follow(routing, node)
@@ -86,7 +84,7 @@ def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name: str, release:
     assert age == pytest.approx(passage.age[often], rel=0.05)
 
 
-def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet: Any) -> None:
+def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path, epanet):
     """A day of Net3 with tanks as reservoirs: marked water that arrives, over all marked water."""
     sections, network = epanet.read_sections("Net3"), epanet.read_library("Net3")
     head = dict(zip(network.nodes, network.hydraulics.head[0] / 0.3048, strict=True))
@@ -126,7 +124,7 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
     assert (deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]).all()
 
 
-def test_ends_and_coverage_add_up(epanet: Any) -> None:
+def test_ends_and_coverage_add_up(epanet):
     passage = trace(epanet.read_library("Net3"), "River", steady=True)
     assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
     assert passage.coverage == pytest.approx(0.3188, abs=5e-5)
@@ -135,12 +133,12 @@ def test_ends_and_coverage_add_up(epanet: Any) -> None:
     assert 0 < changing.coverage < passage.coverage
 
 
-def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
+def test_the_same_seed_gives_the_same_walks(epanet):
     one, two, other = (trace(epanet.read_library("Net3"), "River", walks=500, seed=s) for s in (3, 3, 4))
     assert one.as_document() == two.as_document() != other.as_document()
 
 
-def test_retained_tracers_stay_where_water_flows_on(epanet: Any) -> None:
+def test_retained_tracers_stay_where_water_flows_on(epanet):
     snapshot = take_snapshot(epanet.read_library("Net3"))
     flows_on = np.array([bool(len(table.choice[0])) for table in route_tracers(snapshot).tables])
     inside = flows_on & ~np.isin(snapshot.head, np.flatnonzero(snapshot.network.stores))
@@ -152,7 +150,7 @@ def test_retained_tracers_stay_where_water_flows_on(epanet: Any) -> None:
     assert leaving.max() < 1 + 1e-9 and leaving.min() < 0.9
 
 
-def test_a_link_that_a_walk_passes_twice_is_seen_once() -> None:
+def test_a_link_that_a_walk_passes_twice_is_seen_once():
     network = SimpleNamespace(links=("A", "B"), worth=np.array([10.0, 4.0]))
     moves = {"walk": [0, 0, 0, 1], "link": [0, 1, 0, 1], "node": [1, 2, 1, 2]}
     walks = Walks(

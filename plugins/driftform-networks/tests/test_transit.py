@@ -1,7 +1,5 @@
 """How long mixed bodies take through a straight bore: measured speeds, and quantiles of routes against those of whole flights."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -17,7 +15,7 @@ BORE, SPEED, WIDTH, LEAD = 0.15, 0.3, 0.06, 0.3
 
 
 @pytest.mark.parametrize("size", [0.31, 0.69])
-def test_neutral_spheres_outrun_the_water_as_measured(size: float) -> None:
+def test_neutral_spheres_outrun_the_water_as_measured(size):
     """In a bore of 31.75 mm at 1 m/s: 1.05 to 1.5 times the mean speed (Ellis, Can. J. Chem. Eng. 42, 1964)."""
     sphere = open_traveller(f"sphere:{31.75 * size:g}mm", settings=("flow.roughness=0",))
     time, scatter = transit(sphere.place(0.03175, 1.0), sphere.width, 100.0)
@@ -25,7 +23,7 @@ def test_neutral_spheres_outrun_the_water_as_measured(size: float) -> None:
     assert 0 < scatter < 1e-3
 
 
-def test_a_point_takes_the_time_of_the_water_and_spreads_in_proportion_to_the_root_of_the_length() -> None:
+def test_a_point_takes_the_time_of_the_water_and_spreads_in_proportion_to_the_root_of_the_length():
     point = open_traveller("sphere:0.5mm")
     (time, short), (_, long) = (transit(point.place(1.0, 1.0), point.width, length) for length in (1e4, 4e4))
     assert time == pytest.approx(1, abs=2e-3)
@@ -36,7 +34,7 @@ def test_a_point_takes_the_time_of_the_water_and_spreads_in_proportion_to_the_ro
     ("length", "count"),
     [pytest.param(60.0, 100, marks=pytest.mark.long), pytest.param(1000.0, 200, marks=pytest.mark.slow)],
 )
-def test_quantiles_of_a_route_are_those_of_whole_flights(length: float, count: int, tmp_path: Path) -> None:
+def test_quantiles_of_a_route_are_those_of_whole_flights(length, count, tmp_path):
     """To within 0.4 % of the time, a quarter of the spread, and three standard errors; ``-s`` prints them."""
     text = f"[JUNCTIONS]\na 0 0\nb 0 {250 * np.pi * BORE**2 * SPEED}\n[RESERVOIRS]\ns 90\n[PIPES]\nlead s a 1 150 130\n"
     path, sphere = tmp_path / "main.inp", open_traveller(f"sphere:{1000 * WIDTH:g}mm")

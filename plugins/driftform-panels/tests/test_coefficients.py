@@ -54,10 +54,6 @@ def test_coefficients_are_about_the_centre_of_buoyancy_without_damping():
     assert not coefficients.added_mass[3].any()
 
 
-def tilts(*degrees, length=1e-2):
-    return tuple(Module(length, float(np.deg2rad(tilt))) for tilt in degrees)
-
-
 @both_models
 @given(morphology=morphologies)
 def test_any_body_has_physical_coefficients(model, morphology):
@@ -68,7 +64,8 @@ def test_a_nearly_straight_body_is_not_smoothed():
     """Kinks of six degrees and of four are treated alike: A11 and A22 vary evenly with the tilt."""
     found = []
     for tilt in (1.8, 2.2, 2.4, 2.6, 2.8, 3.2):
-        body = BUILDER.build(Morphology(fore=tilts(*[tilt, -tilt] * 10)))
+        pair = (Module(1e-2, float(np.deg2rad(tilt))), Module(1e-2, -float(np.deg2rad(tilt))))
+        body = BUILDER.build(Morphology(fore=pair * 10))
         found.append(np.diag(MODEL.coefficients(body, FLUID).added_mass)[[0, 1, 5]])
     change = np.diff(np.log(found), axis=0) / np.diff([1.8, 2.2, 2.4, 2.6, 2.8, 3.2])[:, None]
     assert np.abs(change - change.mean(axis=0)).max() < 5e-3

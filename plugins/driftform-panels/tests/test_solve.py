@@ -65,10 +65,6 @@ def halved(divided):
     return Panels(x, r, np.repeat(divided.lengths / 2, 2))
 
 
-def centred(contour):
-    return np.asarray(contour) - (solid_of_revolution(contour).centroid, 0.0)
-
-
 SPHEROIDS = [(6, 1), (4, 1), (2, 1), (1, 1), (1, 2), (1, 5)]
 
 
@@ -184,7 +180,8 @@ def test_random_bodies_are_reciprocal(random_bodies):
 def test_with_every_panel_cut_in_two_random_bodies_stay_as_they_are(random_bodies):
     worst = np.zeros(4)
     for body in random_bodies(20, 1):
-        divided = make_panels(centred(body.outer), 15, 0.2)
+        contour = body.outer - (solid_of_revolution(body.outer).centroid, 0.0)
+        divided = make_panels(contour, 15, 0.2)
         twice = halved(divided)
         assert len(twice.lengths) == 2 * len(divided.lengths)
         worst = np.maximum(worst, change(solve_panels(divided), solve_panels(twice)))

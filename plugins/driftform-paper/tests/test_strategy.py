@@ -35,10 +35,6 @@ def told(strategy, first, candidates, fitness):
     strategy.tell(first, [Evaluation(c.genome, row) for c, row in zip(candidates, rows, strict=True)])
 
 
-def differences(a, b):
-    return sum(x != y for x, y in zip(a.symbols, b.symbols, strict=True))
-
-
 def test_the_wheel_turns_in_proportion_to_fitness():
     np.testing.assert_allclose(roulette_probabilities([1.0, 3.0, 0.0, 4.0]), [1 / 8, 3 / 8, 0, 1 / 2])
     np.testing.assert_array_equal(roulette_probabilities([0.0] * 4), [0.25] * 4)
@@ -126,7 +122,8 @@ def flips(seed, size, **options):
     strategy = paper(seed, population=size, crossover=0, **options)
     first = strategy.ask(size)
     told(strategy, 0, first, np.ones(size))
-    return np.array([differences(c.genome, first[c.parents[0]].genome) for c in strategy.ask(size)])
+    pairs = [(c.genome.symbols, first[c.parents[0]].genome.symbols) for c in strategy.ask(size)]
+    return np.array([sum(x != y for x, y in zip(*pair, strict=True)) for pair in pairs])
 
 
 def test_per_symbol_each_symbol_flips_with_the_rate():

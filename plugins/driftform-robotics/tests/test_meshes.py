@@ -20,17 +20,13 @@ def contour_of(steps):
     return np.array([(x[0], 0.0), *zip(x, r, strict=True), (x[-1], 0.0)])
 
 
-def as_trimesh(mesh):
-    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-
-
 @given(profiles)
 def test_pieces_are_convex_closed_and_together_the_hull(steps):
     contour = contour_of(steps)
     expected = solid_of_revolution(contour)
     pieces = convex_pieces(contour, segments=12)
     for piece in pieces:
-        mesh = as_trimesh(piece.mesh)
+        mesh = trimesh.Trimesh(piece.mesh.vertices, piece.mesh.triangles, process=False)
         assert mesh.is_watertight
         assert mesh.volume == pytest.approx(piece.volume, rel=1e-7)
         assert mesh.volume == pytest.approx(mesh.convex_hull.volume, rel=1e-6)

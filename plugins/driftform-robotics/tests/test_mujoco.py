@@ -1,5 +1,6 @@
 """MuJoCo itself: what it makes of the files, and the forces that it computes from them."""
 
+import re
 from dataclasses import replace
 
 import mujoco
@@ -7,9 +8,14 @@ import numpy as np
 import pytest
 from robots import random_states
 
+from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import added_mass_at
+from driftform.study import load_study
 from driftform.util.rotations import matrix_from_quaternion
 from driftform_robotics.models.ellipsoid import added_mass_factors, fit_spheroid
+from driftform_robotics.models.gap import TIMES, fly_own
+from driftform_robotics.models.link import make_link
+from driftform_robotics.models.mjcf import MjcfExporter
 
 
 def inertia_of_body(model, body):
@@ -146,3 +152,24 @@ def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio):
     k1, k2, _ = added_mass_factors(ratio)
     displaced = 1024 * 4 / 3 * np.pi * 0.06**3 * ratio**2
     assert fit_spheroid(k1 * displaced, k2 * displaced, 1024.0) == pytest.approx((0.06, 0.06 * ratio), rel=1e-6)
+
+
+def test_the_gap_of_ten_agents_is_the_one_that_mujoco_flies(tmp_path):
+    study = load_study("pipe-inspection", run={"seed": 0})
+    pipeline, rng = study.make_pipeline(), np.random.default_rng(3)
+    for seed in range(10):
+        job = ExportJob("agent", pipeline.make_agent(pipeline.grammar.random(rng)), study.scenario)
+        MjcfExporter(MjcfExporter.Options()).write(job, tmp_path / f"{seed}-mjcf")
+        path = tmp_path / f"{seed}-mjcf" / "agent.xml"
+        printed = [float(d) for d in re.findall(r"(\S+) m after \d s", path.read_text(encoding="utf-8"))]
+        model = mujoco.MjModel.from_xml_path(str(path))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        link, found = make_link(job), []
+        ours = fly_own(job, link, TIMES[-1])
+        for time in TIMES:
+            while data.time < time - 1e-9:
+                mujoco.mj_step(model, data)
+            moved = data.qpos[:3] - link.position - time * job.scenario.current()
+            found.append(np.linalg.norm(moved - ours[round(time / TIMES[-1] * (len(ours) - 1))]))
+        assert printed == pytest.approx(found, rel=0.03, abs=2e-3)

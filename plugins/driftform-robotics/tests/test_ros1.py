@@ -141,14 +141,10 @@ def test_robot_state_publisher_leaves_the_pose_of_the_agent_to_others(
     run_system(f"rosparam set /robot_description --textfile {description}", tmp_path, env=environment)
     topic = "/tf_static:tf2_msgs/TFMessage"
     options = ("--messages", "1", "--frames", "world", "base_link")
-    with publisher(environment):
+    with start("/usr/lib/robot_state_publisher/robot_state_publisher", env=environment):
         # roscpp sends a latched message twice to a listener that joins while it is published: the second joins later.
         for _ in range(2):
             with listen(environment, topic, *options) as finish:
                 received = finish()
     assert received["counts"] == {"/tf_static": 1}
     assert received["poses"] == ([None] if joint == "floating" else [[0, 0, 0, 1, 0, 0, 0]])
-
-
-def publisher(environment):
-    return start("/usr/lib/robot_state_publisher/robot_state_publisher", env=environment)

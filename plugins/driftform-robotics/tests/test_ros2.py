@@ -16,10 +16,6 @@ def package(request, job, export):
     return request.param, export(request.param, job)
 
 
-def files_of(folder):
-    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-
-
 def name_of(folder):
     return str(ET.parse(folder / "package.xml").getroot().findtext("name"))
 
@@ -46,7 +42,8 @@ def test_colcon_builds_and_registers_both_packages_of_every_agent(jobs, export, 
     assert {path.name for path in (tmp_path / index).iterdir()} == set(packages)
     for name, folder in packages.items():
         share, lib = tmp_path / "install" / "share" / name, tmp_path / "install" / "lib" / name
-        for path in files_of(folder) - {"CMakeLists.txt", "README.md", "LICENSE"}:
+        files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+        for path in files - {"CMakeLists.txt", "README.md", "LICENSE"}:
             # `ros2 run` takes programs only.
             assert os.access(lib / path, os.X_OK) if path.endswith(".sh") else (share / path).is_file(), path
 

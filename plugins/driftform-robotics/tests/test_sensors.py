@@ -22,15 +22,10 @@ def agent():
     return Agent(body, mass_properties(body), Coefficients(np.zeros((6, 6))))
 
 
-def pitched(angle):
-    return np.array([np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0])
-
-
 def at(position, angle=0.0):
     """A flight of one sample, at rest."""
-    return Trajectory(
-        np.zeros(1), np.array([position]), pitched(angle)[None], np.zeros((1, 6)), drifting_trajectory().end
-    )
+    pitched = np.array([[np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0]])
+    return Trajectory(np.zeros(1), np.array([position]), pitched, np.zeros((1, 6)), drifting_trajectory().end)
 
 
 def test_in_free_fall_an_accelerometer_at_the_centre_of_gravity_reads_nothing(agent):

@@ -1,6 +1,7 @@
 """A live flight on a real roscore: every message arrives, currents act, services answer, and it ends cleanly."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,6 +28,21 @@ OPTIONS = ("--scenario", "paper", "--simulator", "native", "--set", "release.pit
 COMMAND = (*PROGRAM, "ros", WORD, *OPTIONS)
 START = 1.0
 """Time of the clock at the release, s."""
+
+
+@pytest.fixture(scope="session")
+def system(tmp_path_factory):
+    """The environment of programs of the system; without ROS the test is skipped."""
+    if shutil.which("roscore") is None:
+        pytest.skip("roscore is not installed")
+    home = tmp_path_factory.mktemp("home")
+    return {"PATH": "/usr/bin:/bin", "HOME": str(home), "ROS_HOME": str(home), "LC_ALL": "C.UTF-8"}
+
+
+@pytest.fixture(scope="module")
+def master(system):
+    with run_master(system) as (found, _):
+        yield found
 
 
 @contextmanager

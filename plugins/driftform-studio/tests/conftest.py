@@ -4,7 +4,6 @@ import http.client
 import json
 import os
 import signal
-import sqlite3
 import subprocess
 import sysconfig
 import time
@@ -121,14 +120,6 @@ def wait_until_true(find, seconds=WAIT_S):
         time.sleep(0.1)
 
 
-def read_count(run):
-    connection = sqlite3.connect(f"{(run / 'run.db').resolve().as_uri()}?mode=ro", uri=True)
-    try:
-        return int(connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
-    finally:
-        connection.close()
-
-
 def pause_searches(folder):
     """Let no search outlive its test."""
     from driftform.runs.directory import is_worked_on
@@ -203,12 +194,6 @@ def browser(tmp_path_factory):
 def wait_for():
     """Wait until a function finds something, and return it."""
     return wait_until_true
-
-
-@pytest.fixture
-def count_evaluations():
-    """Count the evaluations that a run has stored."""
-    return read_count
 
 
 @pytest.fixture

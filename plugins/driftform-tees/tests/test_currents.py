@@ -1,6 +1,8 @@
 """The current of a pipe as a file: read back as a grid, and interpolated as Gazebo does, it is the flow that was sampled."""
 
 import csv
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,10 +24,6 @@ BEND = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"leng
 def bend(**tables):
     tables = {"flow": {"speed": 1.0}, "release": {"position": (0.1, 0.0, 0.0)}, **tables}
     return Scenario.model_validate({"pipe": {"radius": 0.1, "parts": BEND}, **tables})
-
-
-def read_back(file, **tables):
-    return bend(flow={"kind": "grid", "file": str(file), "speed": 1.0}, **tables)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +60,8 @@ def test_a_twentieth_of_the_bore_is_the_usual_spacing(grid):
 def test_read_back_as_a_grid_it_is_the_flow_of_the_bend(file, water):
     """To 0.05 % of the mean speed (root mean square), and 2 % where straight and bend meet, where the flow has a kink."""
     points, gaps, exact = water
-    error = np.linalg.norm(grid_velocities(points, fitting_array(read_back(file))) - exact, axis=1)
+    fittings = fitting_array(bend(flow={"kind": "grid", "file": str(file), "speed": 1.0}))
+    error = np.linalg.norm(grid_velocities(points, fittings) - exact, axis=1)
     assert np.sqrt(np.mean(error**2)) < 5e-4
     assert error.max() < 0.02
     assert error[gaps > 0.01].max() < 0.01
@@ -128,3 +127,37 @@ def test_a_long_pipe_has_a_coarser_grid(monkeypatch):
 def test_open_water_has_nothing_to_sample():
     with pytest.raises(InputError, match="no pipe"):
         sample_current(Scenario())
+
+
+def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(call):
+    result = call("export-flow", "paper", "--spacing", "0.25", "--out", "c.csv", "--json")
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    assert told["file"] == "c.csv" and told["speed"] == 1.0 and told["warnings"] == []
+    lines = Path("c.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "timestamp,x,y,z,u,v,w"
+    assert len(lines) == told["nodes"] + 1
+    checked = call("scenarios", "check", "paper", "--set", "flow={kind='grid',file='c.csv',speed=1.0}")
+    assert checked.exit_code == 0, checked.stderr
+
+
+def test_gusts_that_are_left_out_are_told_of(call):
+    flow = "flow={kind='turbulent',speed=1.0}"
+    result = call("export-flow", "paper", "--spacing", "0.4", "--set", flow, "--out", "c.csv")
+    assert result.exit_code == 0, result.stderr
+    assert "warning: gusts are left out" in result.stdout
+    assert 'flow.kind = "grid", flow.file = "c.csv", flow.reference = 1' in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("paper", "--out", "c.vtk"), "choose a name that ends in .csv"),
+        (("paper", "--spacing", "3"), "choose at most 0.5 m"),
+        (("paper", "--spacing", "0"), "must be positive"),
+        (("t-junction", "--spacing", "0.001"), "choose at least"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(arguments, words, refused):
+    assert words in refused("export-flow", *arguments)
+    assert not list(Path().glob("*.csv"))
