@@ -165,14 +165,6 @@ def test_axial_drag_is_friction_and_the_blunt_end_that_goes_first():
     assert axial_drag(0.0, RHO, NU, AXIAL) == 0.0
 
 
-@given(st.floats(-10, 10))
-def test_axial_drag_opposes_the_motion_along_the_axis_and_only_that(speed):
-    force = axial_drag(speed, RHO, NU, AXIAL)
-    assert force * speed <= 0
-    drag = Drag(chain(0.12, 0.03, 9), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
-    assert wrench_on(drag, moving=(speed, 0.0, 0.0)) == pytest.approx([force, 0, 0, 0, 0, 0], rel=1e-12)
-
-
 @pytest.mark.parametrize(("level", "share"), [(None, 1.0), (0.0, 0.5), (-1.0, 0.0)])
 def test_a_body_may_have_drag_along_its_axis_alone(level, share):
     drag = Drag(np.empty((0, 4)), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
