@@ -87,10 +87,12 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
         assert np.mean(found) == pytest.approx(0, abs=0.003 * wanted)
         assert np.std(found) == pytest.approx(deviation * wanted, rel=0.005)
         assert np.abs(found).max() <= 3 * wanted
-    # Water is taken up, and the error of a thermometer is even.
-    absorbed, read = np.array([(c.absorbed, c.read) for c in drawn]).T
+    # Water is taken up, and the error of a thermometer is even; what a scale leaves is the sum of two even roundings.
+    absorbed, read, left = np.array([(c.absorbed, c.read, c.left) for c in drawn]).T
     assert absorbed.min() >= 0 and absorbed.mean() == pytest.approx(0.002 * math.sqrt(2 / math.pi), rel=0.02)
     assert abs(read).max() <= THERMOMETER and read.std() == pytest.approx(THERMOMETER / math.sqrt(3), rel=0.01)
+    assert abs(left).max() <= SCALE and left.std() == pytest.approx(SCALE / math.sqrt(6), rel=0.03)
+    assert abs(left.mean()) < 0.02 * SCALE
     assert len({c.gusts for c in drawn}) == 2000
     assert (
         np.abs(
@@ -261,14 +263,6 @@ def test_disturbed_flights_have_the_secondary_flow_of_bends_and_no_other_draw_de
     assert [replace(condition, swirl=0.0) for condition in drawn] == list(calm)
     scenario = load_study("pipe-inspection", ["flow.swirl=0.05"]).scenario
     assert disturb_scenario(drawn[0], scenario).flow.swirl == pytest.approx(0.05 + drawn[0].swirl)
-
-
-def test_what_is_left_of_a_weighed_print_is_the_sum_of_two_even_roundings_of_a_scale():
-    left = np.array([c.left for c in draw_conditions(Robustness(), 4000, (3,))])
-    assert abs(left).max() <= SCALE
-    # Each is even over a step, with a variance of a twelfth of its square.
-    assert left.std() == pytest.approx(SCALE / math.sqrt(6), rel=0.03)
-    assert abs(left.mean()) < 0.02 * SCALE
 
 
 def test_what_does_nothing_is_a_neutral_sphere_of_the_same_volume_in_the_same_water():

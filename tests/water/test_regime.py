@@ -76,11 +76,6 @@ def test_a_profile_outside_its_range_is_named_with_its_number_and_the_range(kind
         assert word in line
 
 
-@pytest.mark.parametrize("kind", ["log_law", "developed"])
-def test_a_profile_within_its_range_needs_no_word(kind):
-    assert not warn_of_regime(pipe(kind, 1e5))
-
-
 def test_every_bore_of_a_junction_is_checked_at_its_own_speed():
     tee = {"kind": "tee", "branch_radius": 0.05, "share": 0.001, "branch": [{"length": 1.0, "outlet": "side"}]}
     parts = [{"length": 50.0}, tee, {"length": 1.0, "outlet": "main"}]

@@ -170,21 +170,6 @@ def test_the_flux_is_that_of_each_leg_at_every_section(junction, share):
 
 
 @pytest.mark.parametrize("junction", SHAPES)
-def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junction):
-    field, wall = make_field(junction, 0.4), junction.array()
-    rng = np.random.default_rng(0)
-    # 14 points that integrate polynomials of degree 5 (Abramowitz and Stegun, 25.4.65, with the product rule of the cube).
-    corners = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]) / math.sqrt(3)
-    faces = np.vstack([np.eye(3), -np.eye(3)])
-    for point in water_points(junction)[rng.integers(400, size=60)]:
-        radius = 0.5 * -wall_level(*point, wall)[0]
-        at_corners = np.mean([tee_motion(tuple(point + radius * d), field)[0] for d in corners], axis=0)
-        at_faces = np.mean([tee_motion(tuple(point + radius * d), field)[0] for d in faces], axis=0)
-        centre = tee_motion(tuple(point), field)[0]
-        assert 0.6 * at_corners + 0.4 * at_faces == pytest.approx(np.array(centre), abs=4e-3)
-
-
-@pytest.mark.parametrize("junction", SHAPES)
 def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace(junction):
     field, h = make_field(junction, 0.4), 1e-5
     traces, sizes = [], []
