@@ -34,7 +34,7 @@ from driftform.water import Fluid, Scenario
 from driftform.water.pipe import Vector
 
 __all__ = [
-    "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "Grammar", "Hydrodynamics",
+    "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "GenerationStrategy", "Grammar", "Hydrodynamics",
     "HydrodynamicsOptions", "Measure", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
     "Renderer", "ReportJob", "Result", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
@@ -122,20 +122,6 @@ class Grammar(Plugin[OptionsT_co]):
         for index in np.flatnonzero(rng.random(len(genome.symbols)) < rate):
             genome = self.flip(genome, int(index), rng)
         return genome
-
-    def breed(
-        self, one: Genome, other: Genome, rng: np.random.Generator, *, crossover: float, mutation_rate: float
-    ) -> tuple[Genome, bool]:
-        """Return a child that differs from both parents, and True if it descends from ``other`` too.
-
-        ``crossover`` is the probability of two parents, ``mutation_rate`` that of each symbol to flip. If the child equals a
-        parent, one of its symbols is flipped: otherwise it would fly as the parent did.
-        """
-        crossed = bool(rng.random() < crossover)
-        child = self.mutate(self.crossover(one, other, rng)[0] if crossed else one, rng, mutation_rate)
-        if child in (one, other) and child.symbols:
-            child = self.flip(child, int(rng.integers(len(child.symbols))), rng)
-        return child, crossed
 
 
 class PhenotypeBuilder(Plugin[OptionsT_co]):
@@ -412,6 +398,51 @@ class Strategy(Plugin[OptionsT_co]):
         The run writes it as CSV and JSON into its folder ``strategy``.
         """
         return {}
+
+
+class GenerationStrategy(Strategy[OptionsT_co]):
+    """A strategy that makes a generation, and learns from all of it: what an optimiser of a library needs.
+
+    It hands out a generation in parts if ``ask`` may not return all of it, so that a budget cuts none of them.
+    """
+
+    def __init__(self, options: OptionsT_co, space: SearchSpace) -> None:
+        super().__init__(options, space)
+        self._left: list[Candidate] = []
+        self._told: list[Evaluation] = []
+
+    @abstractmethod
+    def begin_generation(self) -> list[Candidate]:
+        """Return the candidates of the next generation, at least one."""
+
+    @abstractmethod
+    def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        """Learn from the evaluations of a generation; ``first`` is the index of the first one in the run."""
+
+    def ask(self, limit: int) -> list[Candidate]:
+        """Return what is left of a generation, or the next one, cut at ``limit``."""
+        self._left = self._left or self.begin_generation()
+        found, self._left = self._left[:limit], self._left[limit:]
+        return found
+
+    def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        """Keep the evaluations until their generation is complete."""
+        self._told += evaluations
+        if not self._left:
+            told, self._told = self._told, []
+            self.end_generation(first + len(evaluations) - len(told), told)
+
+    def read_values(self, evaluation: Evaluation, names: Sequence[str], option: str) -> list[float]:
+        """Return values of an evaluation: its mean ``fitness`` (%), that for a target, or one of its measures.
+
+        Raises InputError if it has no value of that name; ``option`` is the one with the names.
+        """
+        targets = dict(zip(self.space.targets, evaluation.fitness.tolist(), strict=True))
+        values = {**evaluation.measures, **targets, "fitness": float(np.mean(evaluation.fitness))}
+        if lacking := [name for name in names if name not in values]:
+            known = ", ".join(values)
+            raise InputError(f"strategy.{option} has '{lacking[0]}', which no evaluation has; these have {known}")
+        return [values[name] for name in names]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from driftform.search.report.contents import collect_contents
 from driftform.study import load_study
 
 ARCHIVE = [
-    *("strategy.use=ribs", "strategy.archive=grid", "strategy.cells=36", "strategy.batch=10", "strategy.random=20"),
-    "strategy.measures={mass=[0.05, 0.2], length=[0.02, 0.25]}",
+    *("strategy.use=ribs", "strategy.emitter=cma-me", "strategy.archive=grid", "strategy.cells=36"),
+    *("strategy.batch=10", "strategy.emitters=2", "strategy.measures={mass=[0.05, 0.2], length=[0.02, 0.25]}"),
 ]
 
 
@@ -29,7 +29,7 @@ def test_a_run_that_was_stopped_resumes_to_the_same_results_and_draws_them(tmp_p
     study = load_study(
         "paper",
         settings,
-        use={"simulator": "native", "grammar": "lsystem"},
+        use={"simulator": "native", "grammar": "bspline"},
         targets=["TP5"],
         run={"seed": 3, "evaluations": 60},
     )

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from driftform.interfaces import SearchSpace, Strategy, Table, option
+from driftform.interfaces import GenerationStrategy, SearchSpace, Table, option
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 
@@ -30,7 +30,7 @@ class _Individual:
     fitness: FloatArray
 
 
-class PaperStrategy(Strategy[PaperOptions]):
+class PaperStrategy(GenerationStrategy[PaperOptions]):
     """The paper's genetic algorithm (section 2.3) for many targets at once.
 
     Every target has its own population, selected by the fitness for that target only. Each flight still scores every
@@ -44,28 +44,18 @@ class PaperStrategy(Strategy[PaperOptions]):
     def __init__(self, options: PaperOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._generation = 0
-        self._asked: list[Candidate] = []
         self._populations: list[list[_Individual]] = [[] for _ in space.targets]
 
-    def ask(self, limit: int) -> list[Candidate]:
-        """Return the next generation of every population, at most ``limit`` candidates."""
-        candidates = [
-            candidate
-            for number, target in enumerate(self.space.targets)
-            for candidate in self._next_population(number, target)
-        ]
-        self._asked = candidates[:limit]
-        return list(self._asked)
+    def begin_generation(self) -> list[Candidate]:
+        """Return the next generation of every population."""
+        targets = enumerate(self.space.targets)
+        return [candidate for number, target in targets for candidate in self._next_population(number, target)]
 
-    def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+    def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Replace the parents by the generation just evaluated: constant size, no elitism."""
-        populations: dict[str, list[_Individual]] = {target: [] for target in self.space.targets}
-        for offset, (candidate, evaluation) in enumerate(zip(self._asked, evaluations, strict=True)):
-            individual = _Individual(first + offset, evaluation.genome, evaluation.fitness)
-            populations[candidate.target].append(individual)
-        # If the budget cut the generation short, the populations without candidates keep their parents.
-        for number, target in enumerate(self.space.targets):
-            self._populations[number] = populations[target] or self._populations[number]
+        told = [_Individual(index, one.genome, one.fitness) for index, one in enumerate(evaluations, first)]
+        size = self.options.population
+        self._populations = [told[k : k + size] for k in range(0, len(told), size)]
         self._generation += 1
 
     def _next_population(self, number: int, target: str) -> list[Candidate]:

@@ -1,4 +1,4 @@
-"""MAP-Elites with an archive of pyribs, over heights at stations of the pipe or over any measures."""
+"""Quality diversity with an archive of pyribs, over heights at stations of the pipe or over any measures."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -7,13 +7,13 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, field_validator
 
-from driftform.errors import InputError
-from driftform.interfaces import Result, SearchSpace, Strategy, Table, option
+from driftform.interfaces import GenerationStrategy, Result, SearchSpace, Table, option
 from driftform.search import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
 if TYPE_CHECKING:
     from ribs.archives import ArchiveBase
+    from ribs.emitters import EvolutionStrategyEmitter
 
 Station = Annotated[float, Field(strict=True, gt=0, le=1)]
 """A position along the pipe, relative to its length."""
@@ -52,6 +52,14 @@ class RibsOptions(Table):
     objective: Literal["best", "mean"] = option(
         "best", "objective of an elite: its best fitness for any target, or the mean over all targets"
     )
+    emitter: Literal["breed", "cma-me", "cma-mae"] = option(
+        "breed",
+        "what makes candidates: 'breed', offspring of elites; 'cma-me' (Fontaine et al. 2020) or 'cma-mae' (Fontaine and "
+        "Nikolaidis 2023), evolution strategies over genomes that are vectors, such as those of bspline",
+    )
+    emitters: int = option(5, "evolution strategies at a time, which share a batch", "", ge=1, le=1000)
+    step: float = option(0.2, "first step of an evolution strategy, relative to the range of each gene", "", gt=0, le=1)
+    learning_rate: float = option(0.01, "how fast 'cma-mae' asks for more of a cell, 0 to 1", "", ge=0, le=1)
     batch: int = option(50, "candidates asked for at once", "", gt=0, le=100_000)
     random: int = option(200, "random genomes at the start", "", gt=0, le=10_000_000)
     crossover: float = option(0.3, "probability that an offspring has two parents", "", ge=0, le=1)
@@ -66,12 +74,13 @@ class RibsOptions(Table):
         return measures
 
 
-class RibsStrategy(Strategy[RibsOptions]):
+class RibsStrategy(GenerationStrategy[RibsOptions]):
     """Quality diversity by pyribs: the archive keeps flights that pass the stations at different heights.
 
     The measures of a flight are its heights above the pipe's axis at some stations along it, or any that an evaluation
-    has, such as mass and length; the archive keeps the fittest of the flights with similar measures. Parents are drawn uniformly from the elites. The map of
-    what flights reach so fills in places that are hard to reach, and `driftform pick` finds an agent for any point.
+    has, such as mass and length; the archive keeps the fittest of the flights with similar measures. Parents are drawn uniformly from the elites,
+    or evolution strategies look for what improves the archive. The map of what flights reach so fills in places that are hard to
+    reach, and `driftform pick` finds an agent for any point.
     """
 
     name = "ribs"
@@ -79,75 +88,96 @@ class RibsStrategy(Strategy[RibsOptions]):
 
     def __init__(self, options: RibsOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._cells = PipeGrid.of_scenario(space.scenario)
-        length, height = self._cells.size[:2] * self._cells.shape
-        self._stations = length * np.array(options.stations)
-        heights = [(-float(height) / 2, float(height) / 2)] * len(options.stations)
-        self._ranges = list(options.measures.values()) or heights
         self._names = [*options.measures] or [f"height_{station:g}" for station in options.stations]
-        self._archive = make_archive(options, self._ranges, int(space.rng.integers(2**31)))
+        self._cells = None if options.measures else PipeGrid.of_scenario(space.scenario)
+        self._ranges = list(options.measures.values())
+        if self._cells is not None:
+            length, height = self._cells.size[:2] * self._cells.shape
+            self._stations = length * np.array(options.stations)
+            self._ranges = [(-float(height) / 2, float(height) / 2)] * len(options.stations)
+        genes, seed = 0 if options.emitter == "breed" else len(space.grammar.list_genes()), space.rng.integers(2**31)
+        self._guide = self._archive = make_archive(options, self._ranges, int(seed), genes)
+        if options.emitter == "cma-mae":
+            # It asks of a cell less than its elite has, so the elites have an archive of their own.
+            soft = {"learning_rate": options.learning_rate, "threshold_min": -1.0}
+            self._guide = make_archive(options, self._ranges, int(seed), genes, **soft)
+        self._emitters = make_emitters(options, self._guide, genes, space.rng) if genes else []
+        self._asked = np.empty((0, genes))
         self._evaluated = 0
         self._generation = 0
 
-    def ask(self, limit: int) -> list[Candidate]:
-        """Return the next batch, cut at ``limit``."""
+    def begin_generation(self) -> list[Candidate]:
+        """Return the next batch."""
         options, rng, grammar = self.options, self.space.rng, self.space.grammar
+        if self._emitters:
+            self._asked = np.concatenate([emitter.ask() for emitter in self._emitters])
+            # Mirrored at the bounds of the genes, where evolution strategies know none.
+            vectors = 1 - np.abs(1 - self._asked % 2)
+            return [Candidate(grammar.make_genome(vector), (), self._generation) for vector in vectors]
         remaining = options.random - self._evaluated
         if remaining > 0 or self._archive.empty:
             count = min(options.batch, remaining) if remaining > 0 else options.batch
-            genomes = [grammar.random(rng) for _ in range(count)]
-            return [Candidate(genome, (), self._generation) for genome in genomes][:limit]
+            return [Candidate(grammar.random(rng), (), self._generation) for _ in range(count)]
         # Drawn by the search's generator and not by the archive's, so that one seed determines everything.
         elites = self._archive.data(["solution", "evaluation"])
         found = []
         for pair in rng.integers(len(elites["solution"]), size=(options.batch, 2)):
             a, b = elites["solution"][pair]
-            child, crossed = grammar.breed(a, b, rng, crossover=options.crossover, mutation_rate=options.mutation_rate)
+            crossed = bool(rng.random() < options.crossover)
+            child = grammar.mutate(grammar.crossover(a, b, rng)[0] if crossed else a, rng, options.mutation_rate)
+            if child in (a, b) and child.symbols:
+                # Otherwise it would fly as the parent did.
+                child = grammar.flip(child, int(rng.integers(len(child.symbols))), rng)
             parents = elites["evaluation"][pair if crossed else pair[:1]]
             found.append(Candidate(child, tuple(parents.tolist()), self._generation))
-        return found[:limit]
+        return found
 
-    def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Add the flights to the archive."""
-        measured = [
-            (index, evaluation, self._measure(evaluation, evaluation.trajectory))
-            for index, evaluation in enumerate(evaluations, first)
-            if evaluation.failure is None and evaluation.trajectory is not None
-        ]
-        # What never happens in a flight, such as a contact, has no place in the archive.
-        sound = [row for row in measured if np.isfinite(row[2]).all()]
-        if sound:
-            score = np.max if self.options.objective == "best" else np.mean
-            self._archive.add(
-                as_objects([evaluation.genome for _, evaluation, _ in sound]),
-                np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
-                np.array([measures for _, _, measures in sound]),
-                evaluation=np.array([index for index, _, _ in sound]),
-            )
+    def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        """Add the flights to the archive, and tell the evolution strategies what they added."""
         self._evaluated += len(evaluations)
         self._generation += 1
+        measures = np.array([self._measure(evaluation) for evaluation in evaluations])
+        sound = np.isfinite(measures).all(axis=1)
+        if not sound.any():
+            return
+        score = np.max if self.options.objective == "best" else np.mean
+        fitness = np.array([float(score(evaluation.fitness)) for evaluation in evaluations])
+        solutions = self._asked if self._emitters else as_objects([one.genome for one in evaluations])
+        rows = first + np.arange(len(evaluations))
+        for archive in dict.fromkeys((self._archive, self._guide)):
+            added = archive.add(solutions[sound], fitness[sound], measures[sound], evaluation=rows[sound])
+        # What failed adds nothing, and ranks last, by how far it is from feasible.
+        status = np.zeros(len(sound), dtype=np.int32)
+        value = -1000.0 - np.array([sum(evaluation.violations.values()) for evaluation in evaluations])
+        status[sound], value[sound] = added["status"], added["value"]
+        measures[~sound] = np.mean(self._ranges, axis=1)
+        for number, emitter in enumerate(self._emitters):
+            at = slice(number * emitter.batch_size, (number + 1) * emitter.batch_size)
+            info: dict[str, npt.NDArray[Any]] = {"status": status[at], "value": value[at]}
+            emitter.tell(solutions[at], fitness[at], measures[at], info, evaluation=rows[at])
 
     def collect_results(self) -> Mapping[str, Result]:
         """Return the archive: the evaluation, the fitness and the measures of each elite."""
-        data = self._archive.data(["evaluation", "objective", "measures"])
+        data, side = (
+            self._archive.data(["evaluation", "objective", "measures"]),
+            find_side(self.options, len(self._names)),
+        )
         columns = {"evaluation": data["evaluation"], "fitness": data["objective"]}
         columns |= dict(zip(self._names, data["measures"].T, strict=True))
         meaning = "The fittest of flights with similar measures."
         if len(self._names) < 2:
             return {"archive": Result(meaning, columns)}
-        side = find_side(self.options, len(self._names))
         grid = [(low, high, side) for low, high in self._ranges[:2]]
         return {"archive": Result(meaning, columns, self._names[:2], grid, "fitness")}
 
-    def _measure(self, evaluation: Evaluation, flight: Trajectory) -> FloatArray:
-        """Return the place of a flight in the archive."""
-        names = self.options.measures
-        if not names:
+    def _measure(self, evaluation: Evaluation) -> FloatArray:
+        """Return the place of a flight in the archive; NaN if it has none."""
+        flight = evaluation.trajectory
+        if evaluation.failure is not None or flight is None:
+            return np.full(len(self._names), np.nan)
+        if self._cells is not None:
             return station_heights(self._cells, flight, self._stations)
-        if lacking := [name for name in names if name not in evaluation.measures]:
-            known = ", ".join(evaluation.measures)
-            raise InputError(f"strategy.measures has '{lacking[0]}', which no evaluation has; these have {known}")
-        return np.array([evaluation.measures[name] for name in names])
+        return np.array(self.read_values(evaluation, self._names, "measures"))
 
 
 def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
@@ -158,31 +188,52 @@ def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
 
 
 def find_side(options: RibsOptions, measures: int) -> int:
-    """Return the number of cells of a grid along each measure; for cells around centroids, that of a map of two measures."""
+    """Return the number of cells of a grid along each measure; of a map of the first two for cells around centroids."""
     # The small term absorbs rounding: the cube root of 1000 is 9.999...
     return max(2, int(options.cells ** (1 / (measures if options.archive == "grid" else 2)) + 1e-9))
 
 
-def make_archive(options: RibsOptions, ranges: Sequence[tuple[float, float]], seed: int) -> "ArchiveBase":
-    """Return an empty archive of genomes over measures with these ranges."""
+def make_archive(
+    options: RibsOptions, ranges: Sequence[tuple[float, float]], seed: int, genes: int = 0, **values: Any
+) -> "ArchiveBase":
+    """Return an empty archive over measures with these ranges, of genomes, or of vectors of ``genes``."""
     # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
     from ribs.archives import CVTArchive, GridArchive
     from threadpoolctl import threadpool_limits
 
     common: dict[str, Any] = {
-        "solution_dim": (),
-        "solution_dtype": object,
+        "solution_dim": genes or (),
+        "solution_dtype": np.float64 if genes else object,
         "objective_dtype": np.float64,
         "measures_dtype": np.float64,
         "ranges": ranges,
         "extra_fields": {"evaluation": ((), np.int64)},
         "seed": seed,
+        **values,
     }
     if options.archive == "grid":
         return GridArchive(dims=[find_side(options, len(ranges))] * len(ranges), **common)
     # The order of k-means' sums depends on the number of threads: one thread gives the same cells everywhere.
     with threadpool_limits(1):
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
+
+
+def make_emitters(
+    options: RibsOptions, archive: "ArchiveBase", genes: int, rng: np.random.Generator
+) -> "list[EvolutionStrategyEmitter]":
+    """Return evolution strategies that look for what improves an archive, from the middle of the ranges of all genes."""
+    from ribs.emitters import EvolutionStrategyEmitter
+
+    ranking: dict[str, Any] = {"ranker": "2imp", "selection_rule": "filter", "restart_rule": "no_improvement"}
+    if options.emitter == "cma-mae":
+        ranking = {"ranker": "imp", "selection_rule": "mu", "restart_rule": "basic"}
+    size = max(2, options.batch // options.emitters)
+    return [
+        EvolutionStrategyEmitter(
+            archive, x0=np.full(genes, 0.5), sigma0=options.step, batch_size=size, seed=int(seed), **ranking
+        )
+        for seed in rng.integers(2**31, size=options.emitters)
+    ]
 
 
 def station_heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
