@@ -30,7 +30,7 @@ def set_budget(directory, evaluations):
     """As if the run had been stopped on its way to a larger budget."""
     with Store.open(directory / "run.db") as store:
         study = store.read_study()
-        store.replace_study({**study, "run": {**study["run"], "evaluations": evaluations}})
+        store.write_facts("study", {**study, "run": {**study["run"], "evaluations": evaluations}})
 
 
 @pytest.mark.usefixtures("fakes")

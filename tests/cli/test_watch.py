@@ -115,7 +115,7 @@ def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy, call):
 def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy, call):
     with Store.open(run_copy / "run.db") as store:
         study = store.read_study()
-        store.replace_study({**study, "simulator": {"use": "nowhere-installed"}})
+        store.write_facts("study", {**study, "simulator": {"use": "nowhere-installed"}})
     assert call("resume", run_copy).exit_code == 2
     assert call("watch", run_copy, "--once").exit_code == 0
 
@@ -153,7 +153,7 @@ def test_a_larger_budget_shows_while_one_looks_on(tmp_path):
     with brief_store(tmp_path / "run.db", 5) as store, lock_run(tmp_path):
         monitor = look(tmp_path)
         assert (monitor.state, monitor.status.budget) == ("running", 1000)
-        store.replace_study({**store.read_study(), "run": {"evaluations": 5}})
+        store.write_facts("study", {**store.read_study(), "run": {"evaluations": 5}})
         monitor.poll()
         assert (monitor.state, monitor.status.budget) == ("writing the best agents", 5)
     monitor.poll()

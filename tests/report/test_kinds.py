@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.search.report.kinds import count_kinds, name_kind
+from driftform.search.report.kinds import name_kind
 from driftform.testing.agents import sphere_agent
 from driftform.types import End, Trajectory
 from driftform.water import Pipe, Scenario, Segment
@@ -43,8 +43,3 @@ def fly(height, contact=None):
 )
 def test_a_body_is_named_by_where_it_passes_and_by_its_form(agent, flight, kind):
     assert name_kind(agent, flight, SCENARIO, 4.0) == kind
-
-
-def test_kinds_are_counted_in_words():
-    kinds = ["saucer", "slender body", "slender body", "crown rider"]
-    assert count_kinds(kinds) == "2 slender bodies, 1 saucer, 1 crown rider"

@@ -111,7 +111,7 @@ def test_the_axes_of_the_map_are_right_handed_and_its_plane_is_vertical(segment)
 def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segment):
     cells = grid_of(segment, 0.2)
     centres = cells.to_world(cells.centres())
-    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.cell_count))
+    np.testing.assert_array_equal(cells._cell_at(cells._place(centres)), np.arange(cells.cell_count))
     np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
     assert all(Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.cell_count // 5 + 1])
 
@@ -172,7 +172,7 @@ def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path)
     crossed, _ = CELLS.find_crossed(path)
     row = dense(path, 400)
     gap = np.linalg.norm(np.diff(row, axis=0), axis=1).max()
-    cells, points = np.unique(CELLS.cell_of(row), return_counts=True)
+    cells, points = np.unique(CELLS._cell_at(CELLS._place(row)), return_counts=True)
     seen = set(cells.tolist()) - {-1}
     # The path is cut into pieces of a tenth of a cell: a corner may be stepped over.
     long = set(cells[points * gap > 10 * PIECE].tolist()) - {-1}
@@ -188,7 +188,7 @@ def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path)
 def test_the_distance_in_a_cell_is_that_of_the_nearest_point_inside(path):
     crossed, distance = CELLS.find_crossed(path)
     row = dense(path, 200)
-    cell_of_point = CELLS.cell_of(row)
+    cell_of_point = CELLS._cell_at(CELLS._place(row))
     gap = np.linalg.norm(np.diff(row, axis=0), axis=1).max()
     for cell, found in zip(crossed, distance, strict=True):
         inside = row[cell_of_point == cell]
@@ -255,7 +255,7 @@ def test_each_cell_keeps_the_closest_flight_and_counts_all():
         ],
         CELLS,
     )
-    row = CELLS.cell_of(np.array([[x, 0.0, 0.25] for x in (0.05, 4.45, 4.55, 8.95)]))
+    row = CELLS._cell_at(CELLS._place(np.array([[x, 0.0, 0.25] for x in (0.05, 4.45, 4.55, 8.95)])))
     assert reach.evaluation[row].tolist() == [5, 5, 8, 8]
     assert reach.visits[row].tolist() == [3, 3, 2, 2]
     np.testing.assert_allclose(reach.distance[row], 0, atol=1e-12)

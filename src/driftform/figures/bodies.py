@@ -24,12 +24,6 @@ class Placement:
         """Return page points of (x, z) of the body frame in m, (n, 2)."""
         return np.array([self.x, self.y]) + self.px_per_m * np.asarray(points) * (1.0, -1.0)
 
-    @classmethod
-    def centre_body(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
-        """Return the placement that puts the middle of the body's length at a point of the page."""
-        middle = (body.outer[0, 0] + body.outer[-1, 0]) / 2
-        return cls(x - px_per_m * float(middle), y, px_per_m)
-
 
 def closed_outline(contour: FloatArray) -> FloatArray:
     """Return the meridian on both sides of the axis, as one closed polygon."""

@@ -89,7 +89,8 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float,
         for group, colour, cell in row.cells:
             x += cell / 2
             body = group[0].agent.body
-            _draw_body(root, body, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m))
+            middle = float(body.outer[0, 0] + body.outer[-1, 0]) / 2
+            _draw_body(root, body, colour, Placement(x - px_per_m * middle, top + 12 + row.tallest / 2, px_per_m))
             base = top + row.tallest + 36
             error = ", ".join(f"{flight.value:.2f}" for flight in group) + f" {group[0].unit}"
             error = shorten(error, 12, cell - 12)

@@ -153,11 +153,6 @@ class Box:
     right: float
     bottom: float
 
-    @classmethod
-    def around(cls, x: float, y: float, width: float, height: float) -> "Box":
-        """Return the box of that size centred on a point."""
-        return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-
 
 def place_labels(
     anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9

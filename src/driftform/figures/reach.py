@@ -22,6 +22,7 @@ from driftform.figures.style import GRID, INK, MUTED, RAMP, SCREEN, Page
 from driftform.runs.coverage import BOUNDS, CoverageMap, PipeGrid
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
+from driftform.water.parts.shapes import Straight
 
 _LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _SMALL_SWATCH = (34.0, 14.0), (23.0, 14.0)
@@ -41,7 +42,8 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = S
     Cells that no flight crosses are white and hatched.
     """
     cells = reach.cells
-    is_world = cells.is_straight and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
+    is_plane = all(isinstance(placed.part, Straight) for placed in cells.layout.parts)
+    is_world = is_plane and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.layout.inlet.centre[[0, 2]] if is_world else np.zeros(2)
     # The pipe in the coordinates of the map, in the plane y = 0.
     (length, radius), (x, z) = cells.size[:2] * cells.shape * (1, 0.5), shift

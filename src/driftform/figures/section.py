@@ -13,8 +13,7 @@ from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, text_width, write, write_title
 from driftform.figures.rest import find_rest
-from driftform.figures.style import MUTED, SCREEN, Page, tint
-from driftform.figures.svg import PX_PER_MM
+from driftform.figures.style import MUTED, PX_PER_MM, SCREEN, Page, tint
 from driftform.types import Agent, Body, FloatArray
 from driftform.water import Scenario
 

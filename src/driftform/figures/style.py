@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Self
 
 PX_PER_MM = 96 / 25.4
-"""px of a picture per mm."""
+"""px of a picture per mm: CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""
 
 INK = "#1f2a36"
 MUTED = "#586673"

@@ -14,13 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.figures import style
-from driftform.figures.style import SCREEN, Page
+from driftform.figures.style import PX_PER_MM, SCREEN, Page
 
 if TYPE_CHECKING:
     import jinja2
-
-PX_PER_MM = style.PX_PER_MM
-"""CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""
 
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 """Fonts of pictures on a screen: those of the reader's system."""

@@ -11,7 +11,7 @@ from driftform.errors import InputError
 from driftform.types import BoolArray, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.parts.layout import Layout
-from driftform.water.parts.shapes import Straight, locate_on_axis, place_on_axis
+from driftform.water.parts.shapes import locate_on_axis, place_on_axis
 from driftform.water.pipe import Vector
 
 IntArray = npt.NDArray[np.int64]
@@ -86,11 +86,6 @@ class PipeGrid:
         return self.layout.inlet.axes[[0, 2, 1]]
 
     @property
-    def is_straight(self) -> bool:
-        """Whether the map is a plane of the world."""
-        return all(isinstance(placed.part, Straight) for placed in self.layout.parts)
-
-    @property
     def cell_count(self) -> int:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
@@ -140,10 +135,6 @@ class PipeGrid:
         """Return the centres of all cells on the map, m, (cells, 2): upward first, then along."""
         column, row = np.divmod(np.arange(self.cell_count), self.shape[1])
         return np.column_stack([(column + 0.5) * self.size[0], (row + 0.5 - self.shape[1] / 2) * self.size[1]])
-
-    def cell_of(self, points: FloatArray) -> IntArray:
-        """Return the cell that contains each world point (n, 3), or -1, (n,)."""
-        return self._cell_at(self._place(points))
 
     def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
         """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).

@@ -155,7 +155,7 @@ class StoredRun:
             table = document.get("run", {})
             if table.get("evaluations") != self.study.evaluations:
                 document = {**document, "run": {**table, "evaluations": self.study.evaluations}}
-                store.replace_study(document)
+                store.write_facts("study", document)
             # The database decides: an interruption before this line is repaired by the next call.
             write_inputs(self.path, self.study, document)
             yield store

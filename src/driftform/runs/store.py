@@ -202,13 +202,8 @@ class Store:
                     raise ValueError(f"a target is named {name!r}")
             return document
 
-    def replace_study(self, study: Mapping[str, Any]) -> None:
-        """Put another document in the place of the study's; when this returns it survives a crash."""
-        with self._writing("the study"):
-            self._connection.execute("UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),))
-
     def write_facts(self, name: str, facts: Mapping[str, Any]) -> None:
-        """Store facts about the run under a name, in place of older ones."""
+        """Store facts about the run under a name, in place of older ones; ``study`` is the document of its study."""
         with self._writing("facts about the run"):
             self._connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (name, json.dumps(facts)))
 
@@ -310,10 +305,6 @@ class Store:
         """Return the first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
         query = "SELECT failure FROM evaluation WHERE failure IS NOT NULL ORDER BY id"
         return find_commonest(str(failure) for (failure,) in self._connection.execute(query))
-
-    def count_sound(self) -> int:
-        """Return the number of evaluations that did not fail."""
-        return self.count() - self.count_failed()
 
     def total_seconds(self) -> float:
         """Return the time that all evaluations took together, s."""

@@ -32,7 +32,9 @@ def pick_agent(run: StoredRun, point: Vector) -> StoredAgent:
     """
     check_point(point, run.study.scenario)
     with run.read() as store:
-        passes = find_passes(track_progress(store.read_trajectories(), store.count_sound(), "flights"), point)
+        passes = find_passes(
+            track_progress(store.read_trajectories(), store.count() - store.count_failed(), "flights"), point
+        )
         found = _check_closest(run, store, passes, point)
         if found is None:
             raise run.refuse_unsound()

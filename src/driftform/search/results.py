@@ -94,12 +94,12 @@ def _require_best(study: Study, store: Store, target: str, winner: Winner | None
     return stored
 
 
-def read_flight(run: StoredRun, store: Store, index: int) -> Trajectory:
-    """Return the stored flight of an evaluation that did not fail. Raises InputError if it is missing."""
-    flight = store.read_record(index, run.study.scenario.target_names).evaluation.trajectory
-    if flight is None:
+def read_flight(run: StoredRun, store: Store, index: int) -> tuple[Trajectory, Mapping[str, float]]:
+    """Return the stored flight of an evaluation that did not fail, and its measures. Raises InputError if it is missing."""
+    evaluation = store.read_record(index, run.study.scenario.target_names).evaluation
+    if evaluation.trajectory is None:
         raise InputError(f"{run.path}: is damaged: the flight of evaluation {index} is missing")
-    return flight
+    return evaluation.trajectory, evaluation.measures
 
 
 def _write_agents(run: StoredRun, store: Store, stored: Sequence[StoredAgent]) -> tuple[list[Best], Agent]:
@@ -107,7 +107,7 @@ def _write_agents(run: StoredRun, store: Store, stored: Sequence[StoredAgent]) -
     from driftform.figures.section import section_svg
     from driftform.runs.table_files import write_trajectory
 
-    flight = read_flight(run, store, stored[0].result["evaluation"])
+    flight, _ = read_flight(run, store, stored[0].result["evaluation"])
     agent = run.study.make_pipeline().make_agent(stored[0].genome)
     names = ("agent.json", "trajectory.csv", "section.svg")
     found: list[Best] = []
@@ -219,8 +219,7 @@ def read_best(run: StoredRun, store: Store) -> list[BestFlight]:
         stored = _require_best(run.study, store, target, winner)
         index = stored.result["evaluation"]
         if index not in flown:
-            measures = store.read_record(index, scenario.target_names).evaluation.measures
-            flown[index] = pipeline.make_agent(stored.genome), read_flight(run, store, index), measures
+            flown[index] = pipeline.make_agent(stored.genome), *read_flight(run, store, index)
         promise = None if winner is None else winner.promises.get(Specimen.PRINT)
         distance, t = (float(values[number]) for values in approach_targets(flown[index][1], scenario))
         found.append(BestFlight(stored, *flown[index], distance, t, None if promise is None else promise.misses))
@@ -254,5 +253,5 @@ def _write_reach(run: StoredRun, store: Store) -> None:
 
 def map_run(study: Study, store: Store) -> CoverageMap:
     """Return the coverage of all flights of a run that did not fail. Raises InputError in open water."""
-    flights = track_progress(store.read_trajectories(), store.count_sound(), "flights")
+    flights = track_progress(store.read_trajectories(), store.count() - store.count_failed(), "flights")
     return map_coverage(flights, PipeGrid.of_scenario(study.scenario))

@@ -199,7 +199,7 @@ def drop_svg(
 
 def ruler_svg(length_mm: int = 150) -> str:
     """Return a ruler as SVG whose natural size is its length: to print, and to hang where the agent falls."""
-    px = svg.PX_PER_MM
+    px = style.PX_PER_MM
     root = svg.start_document((length_mm + 20) * px, 26 * px, "Ruler", f"A ruler of {length_mm} mm.", "mm")
     svg.draw_template(root, __package__, "ruler", px=px, length=length_mm)
     return svg.render(root)

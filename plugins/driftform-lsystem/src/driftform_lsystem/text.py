@@ -101,24 +101,11 @@ def read(text: str) -> tuple[str, ...]:
 
 
 def _read_genotype(text: str) -> tuple[str, ...]:
-    rules: dict[str, list[str]] = {}
-    parts = text.split("|")
-    for number, part in enumerate(parts, start=1):
-        head, colon, body = part.partition(":")
-        rule = head.strip()
-        if not colon:
-            raise InputError(f"rule {number} of {len(parts)} has no letter before a colon; {_EXPECTED}")
-        if rule not in RULES:
-            raise InputError(f"rule {number} of {len(parts)} is for {rule!r}{did_you_mean(rule, RULES)}")
-        if rule in rules:
-            raise InputError(f"rule {rule} is given twice; expected one each for {', '.join(RULES)}")
-        rules[rule] = _split(body)
-    missing = [rule for rule in RULES if rule not in rules]
-    if missing:
-        raise InputError(
-            f"the number of rules is {len(rules)}, expected {len(RULES)} ({', '.join(RULES)}); "
-            f"missing: {', '.join(missing)}"
-        )
+    parts = [part.partition(":") for part in text.split("|")]
+    letters = [letter.strip() for letter, _, _ in parts]
+    if sorted(letters) != sorted(RULES) or not all(colon for _, colon, _ in parts):
+        raise InputError(f"the rules are for {', '.join(map(repr, letters))}; {_EXPECTED}")
+    rules = {letter: _split(body) for letter, (_, _, body) in zip(letters, parts, strict=True)}
     for rule in RULES:
         if fault := find_rule_fault(rule, rules[rule]):
             raise InputError(fault)

@@ -45,7 +45,7 @@ def reproduce(
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     searches = [{runs[key]: study for key, study in studies.items() if key[0] == s} for s in STRATEGIES]
     search_repeats(searches, scheduler, workers, f"driftform reproduce --out {out}")
-    found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
+    found = {s: read_results([(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])
     figures = write_figures(out / "figures", first, found, again, page)
     seconds = time.perf_counter() - started

@@ -28,7 +28,6 @@ class Search:
     evaluation; ``failed`` is the number of flights that failed.
     """
 
-    strategy: str
     fitness: FloatArray
     best: tuple[tuple[Genome, int, int], ...]
     shared: FloatArray
@@ -47,7 +46,7 @@ def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings
     )
 
 
-def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
+def read_results(runs: Sequence[tuple[int, Path]]) -> Search:
     """Read what the repeats of a strategy came to; ``runs`` are seeds and directories.
 
     A flight counts for the target that its population worked for; where a strategy has no populations, as many
@@ -74,7 +73,7 @@ def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
                     best[number] = (float(fitness[top]), genome, seed, own[top].index)
         rows.append(row)
     ordered = tuple(best[number][1:] for number in sorted(best))
-    return Search(strategy, np.array(rows), ordered, np.array(shared), failed)
+    return Search(np.array(rows), ordered, np.array(shared), failed)
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,7 +71,7 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     columns = evaluation_columns(targets, study.make_plugin("fitness").measures)
     units = {"fitness": "%"} | {column.name: column.unit for column in columns}
     with run.read() as store:
-        if not store.count_sound():
+        if store.count_failed() == store.count():
             raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
         entries = read_best(run, store)
         promises = {one.target: one.misses for one in entries if one.misses is not None}

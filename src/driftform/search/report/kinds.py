@@ -1,8 +1,5 @@
 """What kind of body won: one that rides the crown or rolls on the floor, a plain body, a saucer, a cylinder, or another slender body."""
 
-from collections import Counter
-from collections.abc import Iterable
-
 import numpy as np
 
 from driftform.types import Agent, Trajectory
@@ -34,12 +31,3 @@ def name_kind(agent: Agent, trajectory: Trajectory, scenario: Scenario, t: float
     x = np.linspace(float(body.outer[0, 0]), float(body.outer[-1, 0]), _STATIONS)[5:-5]
     radii = np.interp(x, body.outer[:, 0], body.outer[:, 1])
     return "cylinder" if radii.std() < EVEN * radii.mean() else "slender body"
-
-
-def count_kinds(kinds: Iterable[str]) -> str:
-    """Return how many there are of each kind, in words: ``"2 crown riders, 1 saucer"``."""
-    counts = Counter(kinds).most_common()
-    return ", ".join(
-        f"{n} {kind if n == 1 else kind.removesuffix('y') + ('ies' if kind.endswith('y') else 's')}"
-        for kind, n in counts
-    )

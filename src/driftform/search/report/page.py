@@ -5,6 +5,7 @@ The page is the template ``page.html``, with ``page.css`` and ``viewer.js`` plac
 other people, and no line of Python has to remember to escape one. It is imported only when a page is made.
 """
 
+from collections import Counter
 from functools import partial
 from importlib.resources import files
 from math import isfinite
@@ -29,7 +30,7 @@ from driftform.runs.wording import (
     summarise,
 )
 from driftform.search.report.contents import Contents, collect_contents
-from driftform.search.report.kinds import count_kinds, name_kind
+from driftform.search.report.kinds import name_kind
 from driftform.study import SELECTED
 from driftform.util.files import make_directory, write_text
 from driftform.water.regime import warn_of_regime
@@ -97,7 +98,7 @@ def page_html(contents: Contents) -> str:
         lead=summarise(fitness, results) + ".",
         notes=[text for text in (describe_worth(fitness, results), describe_doubt(fitness, results)) if text],
         kinds=kinds,
-        kinds_in_words=count_kinds(kinds.values()),
+        kinds_in_words=", ".join(f"{count} x {kind}" for kind, count in Counter(kinds.values()).most_common()),
         legend=explain_columns(fitness, contents.scenario.robustness.checks),
         fitness=fitness,
         numbers={

@@ -13,7 +13,7 @@ from driftform_kit.cutting.meridian import Ring
 from driftform_kit.sheet.contents import Sheet, SheetPart
 from driftform_kit.sheet.scenes import BALLAST, CORE, place_scene
 
-_WIDTH, _HEIGHT = 210 * svg.PX_PER_MM, 297 * svg.PX_PER_MM
+_WIDTH, _HEIGHT = 210 * style.PX_PER_MM, 297 * style.PX_PER_MM
 _LEFT, _RIGHT, _BOTTOM = 48.0, _WIDTH - 48.0, _HEIGHT - 48.0
 _TEXT, _LINE = 11.0, 15.0
 """Font size and distance of lines, px: 8 pt."""
@@ -71,7 +71,7 @@ def _start_page(sheet: Sheet, what: str, about: str) -> ET.Element:
 def _choose_scale(sizes: Sequence[tuple[float, float]], room: tuple[float, float]) -> tuple[float, str]:
     """The largest scale at which sizes (mm), side by side with gaps, fit into the room (px): px for each mm, and its name."""
     for ratio in _SCALES:
-        scale = svg.PX_PER_MM * ratio
+        scale = style.PX_PER_MM * ratio
         across = scale * sum(width for width, _ in sizes) + _GAP * (len(sizes) - 1)
         if across <= room[0] and scale * max(height for _, height in sizes) <= room[1]:
             break
