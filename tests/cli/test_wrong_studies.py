@@ -6,6 +6,7 @@ does not count.
 
 import json
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -15,119 +16,10 @@ from driftform.study import load_study
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
-
 PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"
-BEND = "pipe={segments=[],radius=%s,parts=[{length=1},{kind='bend',angle_deg=%s,radius=%s},{length=1}]}"
-ONE = "targets={A=[4,0,0.2]}"
 
-WRONG = {
-    # What the author got wrong: the settings, "refused" or "warned", and what the line says.
-    "the core's mass in grams": (["builder.core_mass=50"], "warned", "50 kg has a radius of 10 mm"),
-    "the water's density in g/cm3": (["fluid.density=1.024"], "warned", "fluid.density = 1.024 kg/m3 is not"),
-    "the viscosity in cSt": (["fluid.viscosity=0.9"], "warned", "1 cSt is 1e-6"),
-    "the dynamic viscosity": (["fluid.viscosity=1.0e-3"], "warned", "it is kinematic"),
-    "gravity in cm/s2": (["fluid.gravity=981"], "warned", "fluid.gravity = 981 m/s2 is not"),
-    "the hull's density in g/cm3": (["builder.hull_density=1.05"], "warned", "ABS has 1050"),
-    "the current in litres per second": (["flow.speed=80"], "warned", "flow.speed = 80 m/s is more than"),
-    "a pipe that is wider than long": (
-        [PIPE % ("1.2,0,0", 1), "targets={A=[1,0,0]}"],
-        "warned",
-        "1.2 m long and 2 m wide",
-    ),
-    "a surface above the pipe": (["fluid.water_level=3"], "warned", "whole pipe, whose top is at z 1 m"),
-    "a surface below the release": (["fluid.water_level=-0.4"], "refused", "released above the water"),
-    "a target in the air": (
-        ["fluid.water_level=0.1"],
-        "warned",
-        "targets TP2, TP4, TP6 and TP8 lie above the water, by up to 600 mm",
-    ),
-    "a release past the targets": (["release.position=[8.8,0,0]"], "warned", "upstream of the release"),
-    "a release in the wall": (["release.position=[0,0,-0.995]"], "refused", "radius 1000 mm"),
-    "a release across a narrow pipe": (
-        [PIPE % ("9,0,0", 0.05), "targets={A=[4,0,0.02]}", "release.pitch_deg=90"],
-        "warned",
-        "of 12 random agents cannot be released",
-    ),
-    "a target beside a vertical pipe's axis": (
-        [PIPE % ("0,0,9", 1), "targets={A=[0.5,0,4]}"],
-        "warned",
-        "no flight leaves the pipe's axis, and target A lies off it, by up to 500 mm",
-    ),
-    "two targets at one point": (["targets={A=[1,0,0],B=[1,0,0]}"], "warned", "A and B are the same point"),
-    "a current that turns round too soon": (["flow.acceleration=-1"], "warned", "passes at most 500 mm of the pipe"),
-    "a horizon in milliseconds": (["flight.horizon=20000"], "warned", "more than 100 times the 9 s"),
-    "friction in percent": (["contact.friction=8"], "warned", "more than rubber on concrete"),
-    "a release that is off by metres": (
-        ["robustness.conditions=5", "robustness.position=0.8"],
-        "warned",
-        "robustness.position = 0.8 m is large",
-    ),
-    "eddies that outlast the gusts": (
-        ["gusts.smoothing=10"],
-        "refused",
-        "gusts.smoothing = 10: should be less than or equal to 1",
-    ),
-    "modules in millimetres": (["grammar.large=10"], "refused", "less than or equal to 0.5 m"),
-    "microseconds between gusts": (["gusts.smoothing=0.001"], "refused", "should be greater than or equal to 0.01"),
-    "gusts where they were once": (
-        ["flow={kind='turbulent',intensity=1}"],
-        "refused",
-        "unknown key 'intensity' in [flow]",
-    ),
-    "oil with the profile of water": (
-        ["fluid.viscosity=1e-3", "flow={kind='log_law',speed=1.0,upstream=1000}"],
-        "warned",
-        "Re_D = 2000; it holds from 4000 to 1e+08; take flow.kind = 'developed'",
-    ),
-    "water that is neither laminar nor turbulent": (
-        ["fluid.viscosity=6e-4", "flow={kind='developed',speed=1.0,upstream=1000}"],
-        "warned",
-        "the profile is unknown from 2300 to 4000",
-    ),
-    "a flow that had no room to develop": (
-        ["flow={kind='developed',speed=1.0}"],
-        "warned",
-        "set flow.upstream to the length of the same bore before the inlet",
-    ),
-    "a core of a metre": (["builder.core_radius=1"], "refused", "no agent can be released"),
-    # Those that everybody makes.
-    "a pipe in millimetres": ([PIPE % ("6000,0,0", 100), ONE], "warned", "divide millimetres by 1000"),
-    "targets off the plane": (["targets={A=[4,0.3,0.2]}"], "warned", "by up to 300 mm: release the agent with a yaw"),
-    "a current away from the targets": (["flow.speed=-1"], "warned", "carries an agent away from targets TP1"),
-    "a slow current in a short flight": (
-        ["flow.speed=0.01", "flight.horizon=5"],
-        "warned",
-        "set flight.horizon to more than 850 s",
-    ),
-    "no current": (["flow.speed=0"], "warned", "the water is at rest"),
-    "a horizon that is too short": (["flight.horizon=3"], "warned", "set flight.horizon to more than 8.5 s"),
-    "a body that fills the bore": (
-        [PIPE % ("9,0,0", 0.02), "targets={A=[4,0,0]}"],
-        "warned",
-        "b = 0.5725; it holds from 0 to 0.3",
-    ),
-    "a target at the release": (
-        ["targets={A=[0.05,0,0.02]}"],
-        "warned",
-        "target A lies 53.85 mm from the release, less than the length of an agent",
-    ),
-    "a target on the wall": (
-        ["targets={A=[4,0,-0.998]}"],
-        "warned",
-        "no nearer than its radius, 11.45 mm: every agent misses by 9.45 mm or more",
-    ),
-    "a bend in radians": (
-        [BEND % (0.1, 0.785, 0.3), "flow.kind=log_law", "targets={A=[0.8,0,0]}"],
-        "warned",
-        "angle_deg is in degrees, and 0.785 rad are 44.98 degrees",
-    ),
-    "the diameter of a pipe for its radius": (
-        [BEND % (0.2, 45, 0.3), "flow.kind=log_law", "targets={A=[0.8,0,0]}"],
-        "warned",
-        "is pipe.radius a diameter?",
-    ),
-    "a bore narrower than the core": ([PIPE % ("9,0,0", 0.01), "targets={A=[4,0,0]}"], "refused", "in a bore of 20 mm"),
-}
+WRONG = tomllib.loads(Path(__file__).with_name("wrong_studies.toml").read_text(encoding="utf-8"))
+"""What the author got wrong: the settings, and what the line says that refuses or warns."""
 
 
 def load_and_list(settings):
@@ -141,7 +33,7 @@ def test_the_built_in_scenarios_give_no_warning():
 
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name):
-    settings, verdict, part = WRONG[name]
+    settings, verdict = WRONG[name]["settings"], "refused" if "refused" in WRONG[name] else "warned"
     load_and_list([])  # Imports are the same for all.
     began = time.process_time()
     if verdict == "refused":
@@ -151,7 +43,7 @@ def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name):
     else:
         lines = load_and_list(settings)
     assert time.process_time() - began < 1
-    assert any(part in line for line in lines), lines
+    assert any(WRONG[name][verdict] in line for line in lines), lines
     # One mistake, one line: nobody reads the third.
     assert verdict == "refused" or len(lines) <= 2
     assert all("\n" not in line for line in lines)

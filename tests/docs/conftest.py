@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,15 +28,15 @@ class Block:
     line: int
 
     @property
-    def file(self) -> str:
+    def file(self):
         """The file that the block shows, ``""`` where it shows none."""
         return next((word.removeprefix("file=") for word in self.words if word.startswith("file=")), "")
 
-    def __str__(self) -> str:
+    def __str__(self):
         return f"{self.page}:{self.line}"
 
 
-def read_blocks(page: Path) -> list[Block]:
+def read_blocks(page):
     """The fenced blocks of a page."""
     text = page.read_text(encoding="utf-8")
     return [
@@ -46,35 +45,35 @@ def read_blocks(page: Path) -> list[Block]:
     ]
 
 
-def without_blocks(text: str) -> str:
+def without_blocks(text):
     """The prose of a page: fenced blocks become empty lines."""
     return _FENCE.sub(lambda m: "\n" * m[0].count("\n"), text)
 
 
 @pytest.fixture(scope="session")
-def docs() -> Path:
+def docs():
     return DOCS
 
 
 @pytest.fixture(scope="session")
-def pages() -> dict[str, str]:
+def pages():
     """Text of every page by its path within ``docs``."""
     return {str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
 
 
 @pytest.fixture(scope="session")
-def prose(pages: dict[str, str]) -> dict[str, str]:
+def prose(pages):
     return {name: without_blocks(text) for name, text in pages.items()}
 
 
 @pytest.fixture(scope="session")
-def blocks() -> list[Block]:
+def blocks():
     """All fenced blocks of all pages."""
     return [block for path in sorted(DOCS.glob("*.md")) for block in read_blocks(path)]
 
 
 @pytest.fixture(scope="session")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(tmp_path_factory):
     """The site, built from a copy: a build in the tree would leave files there."""
     folder = tmp_path_factory.mktemp("site")
     for name in ("docs", "src"):
@@ -93,24 +92,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def up_to_date() -> Callable[[Path, str], None]:
-    """Compare a page with what it should be; with UPDATE_DOCS=1 make it so."""
-
-    def check(path: Path, expected: str) -> None:
-        found = path.read_text(encoding="utf-8") if path.exists() else ""
-        if found != expected and os.environ.get("UPDATE_DOCS") == "1":
-            path.write_text(expected, encoding="utf-8")
-            return
-        assert found == expected, f"{path.name} is out of date: run UPDATE_DOCS=1 pytest tests/docs"
-
-    return check
-
-
-@pytest.fixture
-def same_picture() -> Callable[[Path, str], None]:
+def same_picture():
     """Compare a picture with the one that a page shows; with UPDATE_DOCS=1 replace that."""
 
-    def check(path: Path, drawn: str) -> None:
+    def check(path, drawn):
         if os.environ.get("UPDATE_DOCS") == "1":
             path.write_text(drawn, encoding="utf-8")
         kept = path.read_text(encoding="utf-8")
@@ -121,3 +106,17 @@ def same_picture() -> Callable[[Path, str], None]:
         assert np.abs(values[0] - values[1]).max() < 0.02
 
     return check
+
+
+@pytest.fixture
+def run_example(blocks, capsys):
+    """Run the example of a page that is a file; returns what it prints, and its names."""
+
+    def run(page, file):
+        [block] = [block for block in blocks if (block.page, block.file) == (page, file)]
+        names = {"__name__": "__docs__"}
+        capsys.readouterr()
+        exec(compile("\n" * block.line + block.text, page, "exec"), names)
+        return capsys.readouterr().out, names
+
+    return run

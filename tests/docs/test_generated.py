@@ -5,24 +5,22 @@ import inspect
 import re
 import subprocess
 import tomllib
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import metadata
 from itertools import chain
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, get_args
 
 import pytest
 import typer
+from imports import find_rooms, read_imports
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from driftform.cli.app import Commands, app
 from driftform.interfaces import SEAMS
 from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
-from driftform.util.options import describe_bounds, find_table
+from driftform.util.options import describe
 from driftform.util.validity import RANGES
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS
@@ -30,42 +28,27 @@ from driftform.water.fluids import FLUIDS
 from driftform.water.parts.tables import PARTS as PIPE_PARTS
 from driftform_frusta.materials import MATERIALS
 
-Check = Callable[[Path, str], None]
-
 ROOT = Path(__file__).parents[2]
 
 
 # Values of a model, in words.
 
-
-def type_text(annotation: Any) -> str:
-    """A type as a person writes it: ``float``, ``"first"`` or ``"last"``, ``[float, float, float]``."""
-    if get_origin(annotation) is Annotated:
-        annotation = get_args(annotation)[0]
-    origin, arguments = get_origin(annotation), get_args(annotation)
-    if origin is Literal:
-        return " or ".join(f'`"{value}"`' for value in arguments)
-    if origin in (Union, UnionType):
-        return " or ".join(dict.fromkeys(type_text(a) for a in arguments if a is not NoneType))
-    if origin is tuple:
-        if len(arguments) == 2 and arguments[1] is Ellipsis:
-            return f"list of {type_text(arguments[0])}s"
-        return "[" + ", ".join(type_text(a) for a in arguments) + "]"
-    if origin is dict or (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
-        return "table"
-    names = {str: "string", int: "integer", float: "number", bool: "boolean"}
-    return names.get(annotation, getattr(annotation, "__name__", str(annotation)))
+WORDS = {"str": "string", "int": "integer", "float": "number", "bool": "boolean", "dict": "table"}
 
 
-def default_text(field: FieldInfo) -> str:
-    """The default as a study file would say it."""
-    if field.is_required():
-        return "required"
-    value = field.get_default(call_default_factory=True)
-    return "none" if value is None else f"`{toml_text(value)}`"
+def type_text(text):
+    """A type as a person writes it: ``number``, ``"first"`` or ``"last"``, ``[number, number, number]``."""
+    text = re.sub(r"\w+", lambda word: WORDS.get(word[0], word[0]), re.sub(r"'([^']*)'", r'`"\1"`', text))
+    text = re.sub(r"\b(\w+)( or \1\b)+", r"\1", text).replace(" or none", "")
+    return re.sub(r"list of (\w+)", r"list of \1s", text)
 
 
-def toml_text(value: Any) -> str:
+def default_text(value):
+    return {None: "none", "required": "required"}[value] if value in (None, "required") else f"`{toml_text(value)}`"
+
+
+def toml_text(value):
+    """A value as a study file would say it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -75,24 +58,20 @@ def toml_text(value: Any) -> str:
     return repr(value)
 
 
-def keys_table(model: type[BaseModel]) -> list[str]:
+def write_row(*cells):
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def keys_table(model):
     """One row for each field of a model, and of the tables of options within it."""
-    return ["| key | type | default | unit | meaning |", "|---|---|---|---|---|", *keys_rows(model)]
-
-
-def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
-    lines = []
-    for name, field in model.model_fields.items():
-        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        kind = ", ".join(part for part in (type_text(field.annotation), describe_bounds(field)) if part)
-        cells = (f"`{within}{name}`", kind, default_text(field), str(extra.get("unit", "")), field.description or "")
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-        if get_origin(field.annotation) is UnionType and (table := find_table(field.annotation)):
-            lines += keys_rows(table, f"{within}{name}.")
+    lines = ["| key | type | default | unit | meaning |", "|---|---|---|---|---|"]
+    for row in describe(model):
+        kind = ", ".join(filter(None, (type_text(row["type"]), row["bounds"])))
+        lines.append(write_row(f"`{row['option']}`", kind, default_text(row["default"]), row["unit"], row["help"]))
     return lines
 
 
-def markdown(docstring: str) -> str:
+def markdown(docstring):
     """A docstring as Markdown: roles and double backticks become single ones."""
     text = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", inspect.cleandoc(docstring))
     return text.replace("``", "`")
@@ -101,7 +80,7 @@ def markdown(docstring: str) -> str:
 # docs/cli.md
 
 
-def commands(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+def commands(command, path=()):
     """A command and those below it, those of plugins after those of the core."""
     yield path, command
     added = command.list_added() if isinstance(command, Commands) else {}
@@ -109,7 +88,7 @@ def commands(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[s
         yield from commands(child, (*path, name))
 
 
-def value_text(parameter: Any) -> str:
+def value_text(parameter):
     """What stands for the value of an option or argument, ``""`` for a flag."""
     if getattr(parameter, "is_flag", False):
         return ""
@@ -120,17 +99,17 @@ def value_text(parameter: Any) -> str:
     return "N" if annotation is int or kind.startswith("integer") else "VALUE"
 
 
-def parameter_default(parameter: Any) -> str:
+def parameter_default(parameter):
     if getattr(parameter, "is_flag", False) or parameter.default is None or parameter.default is Ellipsis:
         return "required" if parameter.required else ""
     return f"`{parameter.default}`"
 
 
-def is_argument(parameter: Any) -> bool:
+def is_argument(parameter):
     return not parameter.opts[0].startswith("-")
 
 
-def command_section(path: tuple[str, ...], command: Any) -> list[str]:
+def command_section(path, command):
     arguments = [p for p in command.params if is_argument(p)]
     options = [p for p in command.params if not is_argument(p)]
     usage = ["driftform", *path]
@@ -144,30 +123,21 @@ def command_section(path: tuple[str, ...], command: Any) -> list[str]:
         lines += ["| argument or option | default | what it does |", "|---|---|---|"]
         for p in (*arguments, *options):
             name = value_text(p) if is_argument(p) else f"{', '.join(p.opts)} {value_text(p)}".strip()
-            cells = (f"`{name}`", parameter_default(p), p.help or "")
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+            lines.append(write_row(f"`{name}`", parameter_default(p), p.help or ""))
         lines.append("")
     return lines
 
 
-def cli_page(text: str) -> str:
-    """The page with the generated part of each command made anew; what is written by hand follows each of them."""
-    for path, command in commands(typer.main.get_command(app)):
-        if path:
-            text = with_generated(text, " ".join(path), command_section(path, command)[:-1])
-    return text
-
-
 @pytest.mark.peers
-def test_cli_page(docs: Path, up_to_date: Check) -> None:
-    page = docs / "cli.md"
-    text = page.read_text(encoding="utf-8")
-    up_to_date(page, cli_page(text))
-    every = [" ".join(path) for path, _ in commands(typer.main.get_command(app)) if path]
-    assert re.findall("<!-- generated: (.+) -->", text) == every
+def test_cli_page(docs, published):
+    found = {" ".join(path): (path, command) for path, command in commands(typer.main.get_command(app)) if path}
+    for name, (path, command) in found.items():
+        published(name, command_section(path, command)[:-1], docs / "cli.md")
+    text = (docs / "cli.md").read_text(encoding="utf-8")
+    assert re.findall("<!-- generated: (.+) -->", text) == list(found)
 
 
-def test_every_command_and_option_has_help() -> None:
+def test_every_command_and_option_has_help():
     bare = []
     for path, command in commands(typer.main.get_command(app)):
         if not command.help:
@@ -187,16 +157,16 @@ class Distribution:
     rows: list[Contribution]
 
     @property
-    def name(self) -> str:
+    def name(self):
         return str(self.project["name"])
 
     @property
-    def page(self) -> str:
+    def page(self):
         """Name of its page in ``docs/plugins``; that of the core is ``core``."""
         return self.name.removeprefix("driftform-").replace("driftform", "core")
 
 
-def distributions() -> list[Distribution]:
+def distributions():
     """The core and the plugins of this repository, with their contributions in the order of the seams."""
     files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
     found = [row for seam in SEAMS for row in registry().contributions() if row.seam == seam and row.cls]
@@ -204,73 +174,29 @@ def distributions() -> list[Distribution]:
     return [Distribution(p, [row for row in found if row.distribution == p["name"]]) for p in projects]
 
 
-EXTRAS = """\
-## Extras and licences
-
-`pip install driftform` installs the plugins of the default study, and in a clone `uv run` does. The others, and what
-some formats need, are extras: `uv sync --extra robotics --extra film` in a clone of driftform, elsewhere
-`pip install "driftform[robotics,film]"`. In a clone the next `uv sync` removes what it does not name.
-
-| extra | what it adds | packages | their licence |
-|---|---|---|---|
-| `film` | films by `renderer exudyn` | imageio-ffmpeg | BSD-2-Clause; the ffmpeg in it is built with `--enable-gpl --enable-version3` and under the GPL, version 3 or later |
-| `ribs` | `strategy ribs` | driftform-ribs, ribs | MIT |
-| `robotics` | the recorders, exporters and fitness of driftform-robotics | driftform-robotics, rosbags | MIT, Apache-2.0 |
-| `ros` | `driftform ros`, live flights on ROS 1, which comes from the system | driftform-ros, driftform-robotics | MIT |
-| `parquet` | tables in Parquet | pyarrow | Apache-2.0 |
-| `dask` | runs on a cluster | distributed | BSD-3-Clause |
-| `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
-| `png` | PNG of every figure | resvg-py | MIT |
-| `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
-| `netcdf` | `flow.kind = "grid"` from NetCDF files | netCDF4 | MIT |
-| `vtk` | `flow.kind = "grid"` from VTK files, legacy and XML; 0.6 GB | vtk | BSD-3-Clause |
-| `networks` | `driftform network show` and the like: pipe networks from EPANET files | driftform-networks, epanet-plus | MIT |
-| `studio` | `driftform studio`, a page in the browser | driftform-studio, starlette, uvicorn | MIT, BSD-3-Clause |
-
-driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,
-which permits use and redistribution if its notice is kept, and forbids endorsement in the names of its authors. The
-other packages that driftform and these plugins name are under an MIT, BSD or Apache licence; those have needs of their
-own.
-
-Only the tests of the group `peers` compare with Drake, which installs the proprietary solver Mosek; they call no solver
-of it, and nothing that users install depends on it.
-""".splitlines()
-
-
-def index_page() -> str:
-    lines = [
-        "# Plugins that come with driftform",
-        "",
-        "Generated from the program: `driftform plugins show NAME` prints the description and the options of any installed",
-        "plugin. A study file selects a plugin by its name and sets its options in the table of its seam",
-        "([study-files.md](study-files.md)). Commands select exporters, recorders, renderers and checkers by name; their",
-        "options are in tables such as `[exporter.stl]` and `[checker.mesh]`.",
-        "[write-a-plugin.md](write-a-plugin.md) explains how to write one.",
-        "",
-        "| distribution | what it is | seams and names |",
-        "|---|---|---|",
-    ]
+def plugin_rows():
+    lines = ["| distribution | what it is | seams and names |", "|---|---|---|"]
     for d in distributions():
         names = [f"{seam} " + ", ".join(links) for seam, links in links_of(d).items()]
-        lines.append(f"| [{d.name}](plugins/{d.page}.md) | {description(d)} | {'; '.join(names)} |")
-    return "\n".join([*lines, "", *EXTRAS]).rstrip() + "\n"
+        lines.append(write_row(f"[{d.name}](plugins/{d.page}.md)", description(d), "; ".join(names)))
+    return lines
 
 
-def links_of(d: Distribution) -> dict[str, list[str]]:
+def links_of(d):
     """Links to the plugins of a distribution, by seam."""
-    links: dict[str, list[str]] = {}
+    links = {}
     for row in d.rows:
         links.setdefault(row.seam, []).append(f"[`{row.name}`](plugins/{d.page}.md#{row.seam}-{row.name})")
     return links
 
 
-def description(d: Distribution) -> str:
+def description(d):
     if d.page == "core":
         return "The plugins of the core"
     return re.sub(r"[,;] a driftform plugin$", "", str(d.project["description"]).removesuffix("."))
 
 
-def plugin_page(d: Distribution) -> str:
+def plugin_page(d):
     core = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     included = d.page == "core" or any(need.startswith(f"{d.name}==") for need in core["dependencies"])
     extras = [e for e, n in core["optional-dependencies"].items() if any(x.startswith(f"{d.name}==") for x in n)]
@@ -306,19 +232,14 @@ def plugin_page(d: Distribution) -> str:
 
 
 @pytest.mark.peers
-def test_index_of_plugins(docs: Path, up_to_date: Check) -> None:
-    up_to_date(docs / "plugins.md", index_page())
-
-
-@pytest.mark.peers
-def test_page_of_each_plugin(docs: Path, up_to_date: Check) -> None:
+def test_page_of_each_plugin(docs, up_to_date):
     found = distributions()
     for d in found:
         up_to_date(docs / "plugins" / f"{d.page}.md", plugin_page(d))
     assert {path.stem for path in (docs / "plugins").glob("*.md")} == {d.page for d in found}
 
 
-def licence_of(package: str) -> str:
+def licence_of(package):
     """What the metadata of an installed package, or the first lines of its licence, say."""
     found = metadata.metadata(package)
     words = [found.get("License-Expression") or found.get("License") or "", *found.get_all("Classifier", [])]
@@ -328,7 +249,7 @@ def licence_of(package: str) -> str:
 
 
 @pytest.mark.peers
-def test_licences_are_as_told(docs: Path) -> None:
+def test_licences_are_as_told(docs):
     page = " ".join((docs / "plugins.md").read_text(encoding="utf-8").split())
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needs = [project["dependencies"]]
@@ -347,14 +268,14 @@ def test_licences_are_as_told(docs: Path) -> None:
     assert "mosek" in str(metadata.requires("drake")).lower()
 
 
-def get_ffmpeg() -> str:
+def get_ffmpeg():
     from imageio_ffmpeg import get_ffmpeg_exe
 
     return str(get_ffmpeg_exe())
 
 
 @pytest.mark.peers
-def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quantity() -> None:
+def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quantity():
     for d in distributions():
         for row in d.rows:
             assert row.cls is not None
@@ -365,19 +286,7 @@ def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quan
                     assert field.json_schema_extra["unit"] == "deg", f"{row.name}.{name}"
 
 
-# Parts of hand-written pages, between <!-- generated: NAME --> and <!-- end -->.
-
-
-def with_generated(text: str, name: str, lines: list[str]) -> str:
-    start, end = f"<!-- generated: {name} -->\n", "<!-- end -->"
-    head, found, rest = text.partition(start)
-    assert found, f"the page has no line {start!r}"
-    _, found, tail = rest.partition(end)
-    assert found, f"generated part {name} has no end"
-    return head + start + "\n" + "\n".join(lines) + "\n\n" + end + tail
-
-
-def inner_table(annotation: Any) -> type[BaseModel] | None:
+def inner_table(annotation):
     """The model that a field holds, singly or as a list."""
     for candidate in (annotation, *get_args(annotation)):
         if isinstance(candidate, type) and issubclass(candidate, BaseModel):
@@ -385,8 +294,8 @@ def inner_table(annotation: Any) -> type[BaseModel] | None:
     return None
 
 
-def scenario_keys() -> list[str]:
-    lines: list[str] = []
+def study_keys():
+    lines = []
     for name, field in Scenario.model_fields.items():
         if name == "flow":
             for kind, profile in FLOWS.items():
@@ -411,106 +320,48 @@ def scenario_keys() -> list[str]:
             inner = inner_table(item.annotation)
             if inner is not None:
                 lines += [f"### `[[{name}.{key}]]`", "", markdown(inner.__doc__ or ""), "", *keys_table(inner), ""]
-    return lines[:-1]
+    return [*lines, "## `[run]`", "", *keys_table(RunOptions)]
 
 
-def test_study_keys_page(docs: Path, up_to_date: Check) -> None:
-    lines = [
-        "# Keys of a study file",
-        "",
-        "Every key of the environment and of the run, with type, default and unit; generated from the program.",
-        "[study-files.md](study-files.md) explains how a study is written and merged. The options of the plugins are on the",
-        "pages of the [plugins](plugins.md).",
-        "",
-        *scenario_keys(),
-        "",
-        "## `[run]`",
-        "",
-        *keys_table(RunOptions),
+def formula_rows():
+    lines = ["| formula | quantity | symbol | holds | source | outside |", "|---|---|---|---|---|---|"]
+    return lines + [
+        write_row(formula, r.quantity, r.symbol, r.describe(), r.source, r.outside)
+        for formula, ranges in RANGES.items()
+        for r in ranges
     ]
-    up_to_date(docs / "study-keys.md", "\n".join(lines) + "\n")
 
 
-def test_validity_page(docs: Path, up_to_date: Check) -> None:
+def fluid_rows():
     lines = [
-        "# Where the formulas hold",
-        "",
-        "Every formula of the water and of the motion, with the quantity that decides whether it holds, and what the program",
-        "does outside; generated from the program. `driftform scenarios check` and `evolve` print the warnings of a study,",
-        "`inspect`, `simulate`, the report and the studio those of an agent too. The speed of an agent through the water is its terminal",
-        "speed, or a fifth of that of the water if this is more.",
-        "",
-        "| formula | quantity | symbol | holds | source | outside |",
-        "|---|---|---|---|---|---|",
-    ]
-    for formula, ranges in RANGES.items():
-        lines += [
-            f"| {formula} | {r.quantity} | {r.symbol} | {r.describe()} | {r.source} | {r.outside} |" for r in ranges
-        ]
-    lines += [
-        "",
-        "## Fluids",
-        "",
-        "`fluid.name` takes density, viscosity and expansion of one of these. All are Newtonian; a slurry that is not is outside",
-        "of the model.",
-        "",
         "| name | density, kg/m3 | viscosity, m2/s | expansion, 1/K | what it is | source |",
         "|---|---|---|---|---|---|",
     ]
-    lines += [
-        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.expansion:.3g} | {f.state} | {f.source} |"
+    return lines + [
+        write_row(f"`{name}`", f"{f.density:g}", f"{f.viscosity:.3g}", f"{f.expansion:.3g}", f.state, f.source)
         for name, f in FLUIDS.items()
     ]
-    up_to_date(docs / "validity.md", "\n".join(lines) + "\n")
 
 
-def _imports(node: ast.AST, known: set[str]) -> Iterator[str]:
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
-            continue
-        if isinstance(child, ast.ImportFrom) and child.module and child.module.split(".")[0] == "driftform":
-            whole = child.module.split(".")
-            yield from whole[1:2] if len(whole) > 1 else [a.name for a in child.names if a.name in known]
-        else:
-            yield from _imports(child, known)
-
-
-def module_rows() -> list[str]:
+def module_rows():
     """One row for each module of the core, those that need least first."""
     package = ROOT / "src" / "driftform"
-    sources: dict[str, list[Path]] = {}
-    for path in sorted(package.rglob("*.py")):
-        name = path.relative_to(package).parts[0].removesuffix(".py")
-        if name not in ("__init__", "__main__"):
-            sources.setdefault(name, []).append(path)
-    needs: dict[str, set[str]] = {}
-    for name, paths in sources.items():
-        trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
-        needs[name] = {n for tree in trees for n in _imports(tree, set(sources))} - {name}
+    needs = find_rooms(read_imports(package))
 
-    def depth(name: str, above: tuple[str, ...] = ()) -> int:
-        below = [depth(n, (*above, name)) + 1 for n in needs[name] if n not in (*above, name)]
-        return max(below, default=0)
+    def depth(name):
+        return max((depth(below) + 1 for below in needs[name]), default=0)
 
     lines = ["| module | what it is | needs |", "|---|---|---|"]
-    for name in sorted(sources, key=lambda n: (depth(n), n)):
-        first = next((p for p in sources[name] if p.name == "__init__.py"), sources[name][0])
-        doc = markdown(ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or "").split("\n")[0]
-        shown = f"{name}/" if first.name == "__init__.py" else f"{name}.py"
-        cells = (f"`{shown}`", doc.replace("|", "\\|"), ", ".join(f"`{n}`" for n in sorted(needs[name])))
-        lines.append("| " + " | ".join(cells) + " |")
+    for name in sorted(needs, key=lambda n: (depth(n), n)):
+        is_package = (package / name).is_dir()
+        source = (package / name / "__init__.py" if is_package else package / f"{name}.py").read_text(encoding="utf-8")
+        doc = markdown(ast.get_docstring(ast.parse(source)) or "").split("\n")[0]
+        needed = ", ".join(f"`{below}`" for below in sorted(needs[name]))
+        lines.append(write_row(f"`{name}/`" if is_package else f"`{name}.py`", doc, needed))
     return lines
 
 
-def test_module_table_of_dataflow_page(docs: Path, up_to_date: Check) -> None:
-    path = docs / "dataflow.md"
-    up_to_date(path, with_generated(path.read_text(encoding="utf-8"), "modules", module_rows()))
-
-
-# docs/printing.md
-
-
-def material_rows() -> list[str]:
+def material_rows():
     """A row for each material of hulls, in the units that data sheets use."""
     lines = [
         "| material | kg/m3 | modulus, GPa | along, MPa | across, MPa | creep | Poisson | expansion, 1e-6/K | water, % |"
@@ -523,6 +374,18 @@ def material_rows() -> list[str]:
     return lines
 
 
-def test_the_table_of_materials(docs: Path, up_to_date: Check) -> None:
-    page = docs / "printing.md"
-    up_to_date(page, with_generated(page.read_text(encoding="utf-8"), "materials", material_rows()))
+PARTS = {
+    "distributions": plugin_rows,
+    "fluids": fluid_rows,
+    "formulas": formula_rows,
+    "keys": study_keys,
+    "materials": material_rows,
+    "modules": module_rows,
+}
+
+
+@pytest.mark.parametrize(
+    "title", [pytest.param(title, marks=pytest.mark.peers if title == "distributions" else ()) for title in PARTS]
+)
+def test_a_part_of_a_page_is_what_the_program_says(title, published):
+    published(title, PARTS[title]())

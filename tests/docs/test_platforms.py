@@ -1,13 +1,10 @@
 """Where driftform installs from wheels alone. ``UPDATE_DOCS=1 pytest -m installs tests/docs`` rewrites both tables."""
 
-import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -24,29 +21,18 @@ PLATFORMS = {
 PYTHON = "Programming Language :: Python :: 3."
 
 
-def read(folder: Path) -> dict[str, Any]:
+def read(folder):
     return tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))
 
 
-def say_range(versions: Iterable[str]) -> str:
+def say_range(versions):
     """Name the first and the last of some versions that follow each other."""
     first, *rest = versions or ["none"]
     return f"{first} to {rest[-1]}" if rest else first
 
 
-def with_table(path: Path, lines: list[str]) -> str:
-    """The text of a page with a table between its markers."""
-    table = "\n".join(lines)
-    marked = re.compile(r"(<!-- generated: platforms -->\n).*?(<!-- end -->)", re.DOTALL)
-    text, count = marked.subn(rf"\1\n{table}\n\n\2", path.read_text(encoding="utf-8"))
-    assert count == 1
-    return text
-
-
 @pytest.mark.installs
-def test_platforms_and_extras_are_those_that_the_pages_name(
-    uv: str, dist: Path, tmp_path: Path, docs: Path, up_to_date: Callable[[Path, str], None]
-) -> None:
+def test_platforms_and_extras_are_those_that_the_pages_name(uv, dist, tmp_path, published):
     document = read(ROOT)
     project, dated = document["project"], document["tool"]["uv"]["exclude-newer"]
     versions = [f"3.{line.removeprefix(PYTHON)}" for line in project["classifiers"] if line.startswith(PYTHON)]
@@ -56,7 +42,7 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
     core = ["driftform", *sorted(name for name in names if name not in named)]
     wanted = {"": core} | {extra: [*core, f"driftform[{extra}]"] for extra in extras}
 
-    def resolves(platform: str, version: str, needs: Iterable[str]) -> bool:
+    def resolves(platform, version, needs):
         # With an interpreter given, uv looks for none of the version asked for.
         running = ("--python", sys.executable)
         options = (*running, "--python-platform", platform, "--python-version", version, "--exclude-newer", dated)
@@ -72,7 +58,7 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
         assert done.returncode == 0 or "No solution found" in done.stderr, done.stderr
         return done.returncode == 0
 
-    def find_extras(where: tuple[str, str]) -> set[str]:
+    def find_extras(where):
         """What resolves on a platform with a version of Python; most often all of it does, together."""
         platform, version = PLATFORMS[where[0]], where[1]
         if resolves(platform, version, [need for needs in wanted.values() for need in needs]):
@@ -89,5 +75,5 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
         short.append(f"| {platform} | {say_range(by_extra[''])} |")
         long.append(f"| {platform} | {say_range(by_extra[''])} | {'; '.join(fewer) or 'all'} |")
         assert by_extra[""], f"driftform has no wheels for {platform}"
-    up_to_date(ROOT / "README.md", with_table(ROOT / "README.md", short))
-    up_to_date(docs / "start.md", with_table(docs / "start.md", long))
+    published("platforms", short, ROOT / "README.md")
+    published("platforms", long, ROOT / "docs" / "start.md")

@@ -2,12 +2,12 @@
 
 import inspect
 import json
+import shutil
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
+from shared import shared_folder
 
 import driftform
 
@@ -15,50 +15,49 @@ PAGE = "python.md"
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first-steps.ipynb"
 
 
-@pytest.fixture(scope="module")
-def printed(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Iterator[tuple[Path, dict[str, str]]]:
-    """The directory in which the examples ran, and what each printed."""
-    from contextlib import redirect_stdout
-    from io import StringIO
-
-    folder = tmp_path_factory.mktemp("python")
-    out: dict[str, str] = {}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        for block in (b for b in blocks if b.page == PAGE and b.language == "python"):
-            stream = StringIO()
-            with redirect_stdout(stream):
-                exec(compile("\n" * block.line + block.text, PAGE, "exec"), {"__name__": "__docs__"})
-            out[block.file] = stream.getvalue()
-        yield folder, out
-
-
 @pytest.mark.peers
-def test_the_examples_print_and_write_what_they_are_about(printed: tuple[Path, dict[str, str]]) -> None:
-    folder, out = printed
+def test_the_examples_print_and_write_what_they_are_about(blocks, run_example, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    out = {b.file: run_example(PAGE, b.file)[0] for b in blocks if b.page == PAGE and b.language == "python"}
     assert "passes TP3 by" in out["first.py"]
-    assert (folder / "parts" / "tp3.3mf").stat().st_size > 84
-    assert (folder / "runs" / "first" / "best" / "TP7" / "agent.json").is_file()
+    assert (tmp_path / "parts" / "tp3.3mf").stat().st_size > 84
+    assert (tmp_path / "runs" / "first" / "best" / "TP7" / "agent.json").is_file()
     assert out["study.py"].startswith("0.8 m/s, 500 evaluations\n") and "did you mean 'speed'?" in out["study.py"]
     assert all(part in out["run.py"] for part in ("TP3:", "TP7:", "fitness_TP3", "passes by"))
-    assert (folder / "first.html").read_text(encoding="utf-8").startswith("<!doctype html>")
-    assert (folder / "tables" / "evaluations.csv").is_file()
+    assert (tmp_path / "first.html").read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert (tmp_path / "tables" / "evaluations.csv").is_file()
     assert out["agents.py"].count(" m/s: ") == 3
-    assert (folder / "parts" / "by_hand.svg").is_file()
-    assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
-    assert (folder / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "parts" / "by_hand.svg").is_file()
+    assert (tmp_path / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
+    assert (tmp_path / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
     assert "9 of 10 disturbed flights miss by less than" in out["flights.py"]
-    assert 'width="85mm"' in (folder / "flights" / "figure.svg").read_text(encoding="utf-8")
+    assert 'width="85mm"' in (tmp_path / "flights" / "figure.svg").read_text(encoding="utf-8")
     assert out["more.py"].startswith("Body(") and out["more.py"].endswith(" %\n")
     assert "failed checks of the file: []" in out["print.py"] and "ballast: 2.00 g at x" in out["print.py"]
 
 
-def test_ten_lines_are_enough(blocks: list[Any]) -> None:
+@pytest.mark.long
+def test_the_example_of_the_page_of_calibration_fits_a_drag(docs, run_example, tmp_path, monkeypatch):
+    shutil.copytree(docs / "tracks", tmp_path / "tracks")
+    monkeypatch.chdir(tmp_path)
+    factor, residual = map(float, run_example("calibration.md", "calibrate_example.py")[0].split())
+    assert factor == pytest.approx(1.14, abs=0.02)
+    assert 0 < residual < 0.002
+
+
+@pytest.mark.long
+@pytest.mark.peers
+def test_the_example_of_the_page_of_networks_shows_what_bodies_see(run_example, tmp_path_factory, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(shared_folder(tmp_path_factory, "networks")))
+    assert run_example("networks.md", "town.py")[0] == "water 0.297, sphere 0.297, five spheres 0.372\n"
+
+
+def test_ten_lines_are_enough(blocks):
     [block] = [b for b in blocks if b.page == PAGE and b.file == "first.py"]
     assert len([line for line in block.text.splitlines() if line]) <= 10
 
 
-def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, str]) -> None:
+def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages):
     from driftform.api import Run
     from driftform.design.design import Design
 
@@ -70,14 +69,14 @@ def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, st
         assert [name for name in names if not hasattr(cls, name) or f".{name}(" not in pages[PAGE]] == []
 
 
-def test_the_notebook_is_stored_without_outputs() -> None:
+def test_the_notebook_is_stored_without_outputs():
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     code = [cell for cell in cells if cell["cell_type"] == "code"]
     assert code and all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
 
 
 @pytest.mark.peers
-def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
+def test_the_notebook_runs_and_shows_pictures(tmp_path):
     with warnings.catch_warnings():
         # The packages of Jupyter announce to each other what they will change.
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -95,7 +94,7 @@ def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
 
 
 @pytest.mark.peers
-def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> None:
+def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         import nbformat
@@ -118,7 +117,7 @@ def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> No
     ]
 
 
-def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> None:
+def test_every_function_of_the_package_is_on_the_page(pages):
     functions = {name for name in driftform.__all__ if inspect.isfunction(getattr(driftform, name))}
     assert len(functions) >= 4
     assert [name for name in functions if f"df.{name}(" not in pages[PAGE]] == []

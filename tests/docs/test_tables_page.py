@@ -2,9 +2,7 @@
 
 import shlex
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -15,7 +13,7 @@ PAGE = "tables.md"
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Path:
+def folder(tmp_path_factory, blocks):
     """Where the page's commands were carried out, but quickly."""
     folder = tmp_path_factory.mktemp("results")
     quickly = {"evolve": ["--simulator", "native", "--evaluations", "60", "--workers", "1"]}
@@ -30,28 +28,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Path:
 
 
 @pytest.fixture
-def shown(
-    folder: Path, blocks: list[Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[[str], tuple[str, dict[str, Any]]]:
+def shown(folder, run_example, monkeypatch):
     """Run an example; return what it prints, and its names."""
-
-    def run(name: str) -> tuple[str, dict[str, Any]]:
-        monkeypatch.chdir(folder)
-        [block] = [b for b in blocks if b.page == PAGE and b.file == name]
-        names: dict[str, Any] = {"__name__": "__docs__"}
-        exec(compile("\n" * block.line + block.text, PAGE, "exec"), names)
-        return capsys.readouterr().out, names
-
-    return run
+    monkeypatch.chdir(folder)
+    return lambda name: run_example(PAGE, name)
 
 
-def test_every_example_is_tried_here(blocks: list[Any]) -> None:
+def test_every_example_is_tried_here(blocks):
     here = Path(sys.modules[__name__].__file__ or "").read_text(encoding="utf-8")
     assert [b.file for b in blocks if b.page == PAGE and b.file and f'shown("{b.file}")' not in here] == []
 
 
 @pytest.mark.peers
-def test_the_best_error_so_far_never_rises(shown: Callable[[str], Any]) -> None:
+def test_the_best_error_so_far_never_rises(shown):
     out, names = shown("best_so_far.py")
     best, errors = names["best"], names["errors"]
     assert list(best.columns) == ["fitness_TP1", "fitness_TP7"]
@@ -62,7 +51,7 @@ def test_the_best_error_so_far_never_rises(shown: Callable[[str], Any]) -> None:
 
 
 @pytest.mark.peers
-def test_generations_are_those_of_the_paper(shown: Callable[[str], Any]) -> None:
+def test_generations_are_those_of_the_paper(shown):
     out, names = shown("generations.py")
     sizes = names["own"].group_by("target", "generation").len()
     # Sixty evaluations of two populations of ten.
@@ -72,7 +61,7 @@ def test_generations_are_those_of_the_paper(shown: Callable[[str], Any]) -> None
 
 
 @pytest.mark.peers
-def test_descent_ends_at_a_random_genome(shown: Callable[[str], Any]) -> None:
+def test_descent_ends_at_a_random_genome(shown):
     _, names = shown("descent.py")
     line, runs = names["line"], names["runs"]
     assert line == sorted(line, reverse=True)
@@ -81,7 +70,7 @@ def test_descent_ends_at_a_random_genome(shown: Callable[[str], Any]) -> None:
 
 
 @pytest.mark.peers
-def test_flights_are_joined_with_their_bodies(shown: Callable[[str], Any]) -> None:
+def test_flights_are_joined_with_their_bodies(shown):
     _, names = shown("flights.py")
     found = names["found"]
     assert found["evaluation"].to_list() == list(range(60))
@@ -91,6 +80,6 @@ def test_flights_are_joined_with_their_bodies(shown: Callable[[str], Any]) -> No
 
 
 @pytest.mark.peers
-def test_units_are_as_told(shown: Callable[[str], Any]) -> None:
+def test_units_are_as_told(shown):
     out, _ = shown("units.py")
     assert out == "net buoyancy, N\nthe same from the file itself: N\n"

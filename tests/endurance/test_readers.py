@@ -13,9 +13,7 @@ import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 from warnings import catch_warnings
 
 import numpy as np
@@ -47,8 +45,6 @@ TOKENS = [
 ]
 """What is put into a file."""
 
-Change = tuple[str, float, float, bytes]
-
 changes = st.lists(
     st.tuples(
         st.sampled_from(["put", "replace", "cut", "repeat", "flip", "end", "line"]),
@@ -61,7 +57,7 @@ changes = st.lists(
 )
 
 
-def apply(whole: bytes, done: Sequence[Change]) -> bytes:
+def apply(whole, done):
     """Return a file with some changes."""
     for kind, place, extent, token in done:
         at = int(place * len(whole))
@@ -151,29 +147,29 @@ MOVED = (
 )
 
 
-def written(write: Callable[..., Any], path: Path, *arguments: Any) -> list[bytes]:
+def written(write, path, *arguments):
     """Return what a function writes to a file."""
     write(path, *arguments)
     return [path.read_bytes()]
 
 
-def write_stored_3mf(path: Path) -> None:
+def write_stored_3mf(path):
     write_3mf(path, MOVED, '<item objectid="2"/>')
     # Stored as they are: a changed byte then reaches the XML, and not only the check of the archive.
     edit_archive(path)
 
 
-def make_grid() -> VelocityGrid:
+def make_grid():
     velocity = np.zeros((4, 4, 4, 3))
     velocity[..., 0] = np.indices((4, 4, 4)).sum(axis=0)
     return VelocityGrid(np.zeros(3), np.ones(3), velocity)
 
 
-def write_grid(path: Path, mode: str) -> list[bytes]:
+def write_grid(path, mode):
     return written(write_vtk, path, make_data_set(make_grid(), "vtu"), mode)
 
 
-def make_mesh(kind: str, **options: str) -> list[bytes]:
+def make_mesh(kind, **options):
     import trimesh
 
     # GLB is in metres, the others are in millimetres.
@@ -182,14 +178,14 @@ def make_mesh(kind: str, **options: str) -> list[bytes]:
     return [content.encode() if isinstance(content, str) else bytes(content)]
 
 
-def make_step(folder: Path) -> bytes:
+def make_step(folder):
     # The sealed hull, although its flights are those of a kit.
     with pytest.warns(UserWarning, match="kit"):
         [file] = open_agent("C").export("step", folder / "made.step")
     return file.read_bytes()
 
 
-def make_agent(folder: Path) -> bytes:
+def make_agent(folder):
     study = load_study("paper", run={"seed": 1})
     genome = study.make_plugin("grammar").random(np.random.default_rng(1))
     environment = {key: study.document[key] for key in study.document if key not in ("run", "strategy")}
@@ -197,14 +193,14 @@ def make_agent(folder: Path) -> bytes:
     return (folder / "made.json").read_bytes()
 
 
-def make_run(folder: Path) -> bytes:
+def make_run(folder):
     from driftform import evolve
 
     run = evolve(load_study("paper", run={"seed": 1, "evaluations": 6}), folder / "run", progress=False)
     return (run.path / "run.db").read_bytes()
 
 
-def read_run(path: Path) -> None:
+def read_run(path):
     folder = path.parent / "read"
     folder.mkdir(exist_ok=True)
     path.replace(folder / "run.db")
@@ -217,25 +213,25 @@ def read_run(path: Path) -> None:
         store.find_best(targets[0])
 
 
-def read_track(path: Path) -> None:
+def read_track(path):
     from driftform_calibration.tables import read_table
 
     read_table(path)
 
 
-def read_own_body(path: Path) -> None:
+def read_own_body(path):
     from driftform_frusta.own.profile import read_profile
 
     read_profile(path)
 
 
-def read_printable(path: Path) -> None:
+def read_printable(path):
     from driftform_kit.reading import read_meshes
 
     read_meshes(path)
 
 
-def read_both(path: Path) -> None:
+def read_both(path):
     for read in (read_printable, read_own_body):
         try:
             read(path)
@@ -243,19 +239,17 @@ def read_both(path: Path) -> None:
             check_line(error)
 
 
-def read_network(path: Path) -> None:
+def read_network(path):
     from driftform_networks.hydraulics.epanet import open_network
 
     open_network(path, path.parent / "cache")
 
 
-def read_word(path: Path) -> None:
+def read_word(path):
     open_agent(path.read_text(encoding="utf-8", errors="surrogateescape"))
 
 
-Make = Callable[[Path], Sequence[bytes]]
-
-READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
+READERS = {
     "study": ("study.toml", lambda _: [STUDY], load_study),
     "agent": ("agent.json", lambda f: [make_agent(f)], open_agent),
     "genome": ("word", lambda _: [b"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", b"C"], read_word),
@@ -278,13 +272,13 @@ READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
 """Of each reader the name of its file, sound files, and what reads them."""
 
 
-def check_line(error: Exception) -> None:
+def check_line(error):
     """Check that an error says something; the program escapes what would not be one line of it."""
     assert error.args and all(map(str, error.args)), repr(error)
     assert isinstance(error, DriftformError) or "\n" not in str(error), repr(error)
 
 
-def call_here(function: Callable[..., Any], *arguments: Any, **_: object) -> Any:
+def call_here(function, *arguments, **_):
     """Call what ``call_apart`` calls, and translate its errors as that does; a signal ends the child as "refused"."""
     os.write(PIPE[0], b"(")
     try:
@@ -300,7 +294,7 @@ def call_here(function: Callable[..., Any], *arguments: Any, **_: object) -> Any
 PIPE = [0]
 
 
-def read_apart(read: Callable[[Path], Any], path: Path) -> str:
+def read_apart(read, path):
     """Read a file in a forked process; return what became of it, "read" or "refused".
 
     Raises AssertionError for anything else, with the traceback.
@@ -315,7 +309,7 @@ def read_apart(read: Callable[[Path], Any], path: Path) -> str:
             os.close(ours)
             signal.signal(signal.SIGXCPU, signal.SIG_DFL)
             resource.setrlimit(resource.RLIMIT_CPU, (int(MAX_S), int(MAX_S) + 1))
-            foreign.call_apart = call_here  # type: ignore[assignment]
+            foreign.call_apart = call_here
             null = os.open(os.devnull, os.O_WRONLY)
             os.dup2(null, 1)
             os.dup2(null, 2)
@@ -349,9 +343,7 @@ def read_apart(read: Callable[[Path], Any], path: Path) -> str:
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_changed_file_is_read_or_refused_in_one_line(
-    name: str, tmp_path: Path, count_of: Callable[[str, int], int], show_row: Callable[..., None]
-) -> None:
+def test_a_changed_file_is_read_or_refused_in_one_line(name, tmp_path, count_of, show_row):
     file, make, read = READERS[name]
     corpus, found = make(tmp_path), Counter[str]()
     end, path = time.monotonic() + count_of("SECONDS", 60), tmp_path / "given" / file
@@ -360,7 +352,7 @@ def test_a_changed_file_is_read_or_refused_in_one_line(
         path.write_bytes(whole)
         assert read_apart(read, path) == "read", "a sound file"
 
-    def check(whole: bytes, done: list[Change]) -> None:
+    def check(whole, done):
         if time.monotonic() < end:
             path.write_bytes(apply(whole, done))
             found[read_apart(read, path)] += 1

@@ -7,24 +7,14 @@ import os
 import random
 import signal
 import sqlite3
-import subprocess
 import sys
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack, closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-Dask = Callable[..., subprocess.Popen[bytes]]
-Program = Callable[..., subprocess.CompletedProcess[str]]
-Row = tuple[Any, ...]
-Rows = Callable[[Path], list[Row]]
-Scheduler = Callable[[], AbstractContextManager[tuple[str, subprocess.Popen[bytes]]]]
-ShowRow = Callable[..., None]
-Start = Callable[..., subprocess.Popen[str]]
 
 pytestmark = [
     pytest.mark.slow,
@@ -82,7 +72,7 @@ def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
     kills, dice = count_of("KILLS", 100), random.Random(1)
     # Half a second of flights is written at once, which are 25.
     study = (*STUDY, "--evaluations", 60 * kills)
-    stored, early = set[Row](), 0
+    stored, early = set(), 0
     for number in range(kills):
         words = ("resume", "run") if (tmp_path / "run" / "resolved.toml").exists() else (*study, *PAUSE)
         with start(*words, "--workers", 1, cwd=tmp_path) as process:
@@ -116,14 +106,14 @@ SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]
 class Cluster:
     """What the trials of clusters have in common."""
 
-    start: Start
-    dask: Dask
-    scheduler: Scheduler
-    run: Program
-    rows: Rows
+    start: Any
+    dask: Any
+    scheduler: Any
+    run: Any
+    rows: Any
     folder: Path
     count: int
-    show: ShowRow
+    show: Any
 
     def work(self, address, *options):
         """Start a worker, or a nanny with one."""
@@ -165,7 +155,7 @@ def read_command(process):
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_cluster_that_loses_workers_loses_no_row(cluster, number):
-    study, stored = (*STUDY, "--evaluations", 40 * cluster.count), set[Row]()
+    study, stored = (*STUDY, "--evaluations", 40 * cluster.count), set()
     with cluster.scheduler() as (address, _), ExitStack() as nannies, cluster.go_on(study, address) as process:
         nanny = nannies.enter_context(cluster.work(address))
         for _ in range(cluster.count):
@@ -191,7 +181,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(cluster, number):
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster, number):
-    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
+    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set()
     with cluster.scheduler() as (address, _), cluster.work(address, "--no-nanny") as worker:
         for _ in range(cluster.count):
             with cluster.go_on(study, address) as process:
@@ -211,7 +201,7 @@ def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster, number
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster, number):
-    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
+    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set()
     for _ in range(cluster.count):
         with (
             cluster.scheduler() as (address, scheduler),

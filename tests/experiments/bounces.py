@@ -1,23 +1,4 @@
-"""Spheres that bounce in liquids
-
-Source: P. Gondret, M. Lance and L. Petit, Bouncing motion of spherical particles in fluids, Physics of Fluids 14 (2002), 643.
-Steel spheres fell through silicon oil onto a glass plate; the heights of their bounces are read from the published
-curves. Sphere of 3 mm in oil of 10.7 mm2/s, impact at 0.585 m/s, a Stokes number of 152; sphere of 6 mm in oil of
-103.6 mm2/s, a Stokes number of 27.
-
-Driftform: steel spheres (7800 kg/m3) in oil of 935 and 965 kg/m3 that touch the floor of a wide pipe at the speed of the
-impact, with `contact.restitution = 0.97` (steel on glass), added mass 1/2 and the drag of a sphere. Steel on glass is in
-contact for microseconds: `contact.frequency = 5000`. Heights are of the lowest point, times since the impact.
-
-Left out: the history force, which small spheres in oil feel. The rows "with history" are of a point that falls, rebounds by the
-same law and has the same drag, and the history force of Mei and Adrian (J. Fluid Mech. 237, 1992, 323) too: it accounts for what
-driftform's first bounces are too high and too long. Agents have Reynolds numbers a hundred times as large, where it fades.
-The law of the restitution is a fit to many spheres; near a Stokes number of 27, where it falls steeply, single measured rebounds
-differ from it as much as this one does.
-
-Met: with the history force the first bounce within 6 %; without it heights within 25 % and times within 18 % at a Stokes number of
-152. Not met: the height at 27, which is half of the measured one.
-"""
+"""Spheres that bounce in liquids."""
 
 import math
 

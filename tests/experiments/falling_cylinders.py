@@ -1,18 +1,4 @@
-"""Cylinders that fall broadside, or with a heavy end
-
-Source: C_d of short cylinders across the flow at Re of 1e4 and more, F. M. White, Fluid Mechanics, 7th edition,
-table 7.3: 0.74 at 5 diameters of length, 0.82 at 10. In falls of end-heavy cylinders in a water tank (Pennsylvania State
-University), those as long as thick fell upright, and those of 4 diameters kept a tilt and drifted aside.
-
-Driftform: homogeneous cylinders of 20 mm diameter and twice the water's density, released level and at rest; C_d from the
-speed after 3 s. The end-heavy ones have the centre of gravity a tenth of the length off the middle; they are released
-60 degrees from level, and compared are the angle between axis and vertical and the drift in the last 5 of 20 s.
-
-Left out: the oscillations of cylinders that fall (Marchildon 1964: above Re = 300), since no vortex of the model is shed in
-turns. The swing of the short cylinder is damped by the drag of its strips alone, and dies down slowly.
-
-Met: both C_d within 3 %, and how each end-heavy cylinder falls.
-"""
+"""Cylinders that fall broadside, or with a heavy end."""
 
 import math
 

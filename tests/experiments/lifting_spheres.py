@@ -1,18 +1,4 @@
-"""Spheres released on a floor
-
-Source: Y. H. Tee, D. Barros and E. K. Longmire, Motion of finite-size spheres released in a turbulent boundary layer, International
-Journal of Multiphase Flow 133 (2020), 103462, from the abstract: spheres of 1.006, 1.054 and 1.152 times the water's density and
-of 58 or 122 viscous units were released from rest on a smooth floor at friction Reynolds numbers of 680 and 1320. Those with enough
-shear lifted off at first and came down again; the denser ones slid along the floor, later rolled, and made small hops.
-
-Driftform: spheres of 6.35 mm (a quarter of an inch: our assumption) in a pipe whose radius and velocity have these viscous units,
-with friction 0.3 and `drag = "strips"`; the greatest height of the lowest point, over the diameter.
-
-Left out: gusts, which vanish at the floor, and the lift of a spin (Magnus), to which the authors attribute the later hops. The
-lift is that of the shear, which fades as the sphere gains the water's speed.
-
-Met: which spheres lift off and which stay on the floor. The abstract states no height.
-"""
+"""Spheres released on a floor."""
 
 from rolling import FLUID, carry_along_floor, make_pipe
 from scipy.optimize import brentq

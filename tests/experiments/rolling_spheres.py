@@ -1,20 +1,4 @@
-"""Spheres that roll along a smooth bed
-
-Source: P. Y. Julien and B. Bounvilay, Velocity of rolling bed load particles, Journal of Hydraulic Engineering 139 (2013), from
-the abstract: on smooth beds, steel balls of 1.6 to 19 mm and glass marbles of 14.5 to 29.3 mm rolled within 30 % of the
-velocity of the water at their top, at up to 20 times the friction velocity u*, with little influence of their density.
-
-Driftform: such spheres in a smooth pipe of 200 mm, in the logarithmic law at 0.8 m/s, from rest on the floor, with friction 0.3
-and `drag = "strips"`. A flume falls: so does the pipe, by u*² / (g R_h) with the hydraulic radius R_h = 50 mm, which the
-abstract does not state. Two rows of each sphere are on a level floor, one of these without friction.
-
-Left out: the friction of the water on a sphere that spins fast; the model has that of creeping motion. On a level floor all are
-slower than the water at their top: they follow the water at their middle, 0.88 to 0.92 as fast, and its couple holds back what
-friction makes roll, most of all the smallest ball, whose middle is in the buffer layer.
-
-Met: all speeds over that of the water at the top. Over u*, the two largest are a tenth above "up to 20", since their weight drives
-them down the fall that we assume: on a level floor they have 18.6 and 19.9.
-"""
+"""Spheres that roll along a smooth bed."""
 
 from rolling import carry_along_floor, last_speed, make_pipe
 

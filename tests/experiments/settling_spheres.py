@@ -1,27 +1,4 @@
-"""Spheres that settle and rise
-
-Source: A. ten Cate, C. H. Nieuwstad, J. J. Derksen and H. E. A. Van den Akker, Particle imaging velocimetry experiments and
-lattice-Boltzmann simulations on a single sphere settling under gravity, Physics of Fluids 14 (2002), 4012. A sphere of 15 mm
-and 1120 kg/m3 fell from rest through 120 mm of silicon oil, in a tank of 100 x 100 x 160 mm, in oils of four
-viscosities. Compared is its greatest speed.
-
-M. Rostami, A. Ardeshir, G. Ahmadi and P. J. Thomas (2006) let spheres of 5 to 10 mm fall at Re = 1000 to 5000, and
-found that gravity, drag and added mass alone explain the measured motion within 1 to 4.3 %. Compared is our flight of a
-steel sphere of 8 mm in water with these three terms, integrated by scipy.
-
-M. Horowitz and C. H. K. Williamson, The effect of Reynolds number on the dynamics and wakes of freely rising and falling
-spheres, Journal of Fluid Mechanics 651 (2010), 251: spheres lighter than about 0.4 to 0.6 of the water rise in zigzags,
-heavier ones rise or fall nearly straight. Compared is the distance from the vertical of a sphere of 40 mm and 0.3 times the
-water's density, after 3 s.
-
-Driftform: flights from rest in open water with `drag = "strips"`.
-
-Left out: the walls of ten Cate's tank and its floor, and the history force, both of which slow the sphere (the history force
-matters little above Re = 1000); and vortices that are shed in turns: no sphere of the model zigzags, so
-`driftform inspect` and the report warn of light, round agents.
-
-Met: Rostami. Not met: ten Cate, 5 to 13 % too fast, the more the slower; and the zigzag.
-"""
+"""Spheres that settle and rise."""
 
 import math
 

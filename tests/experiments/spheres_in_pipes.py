@@ -1,18 +1,4 @@
-"""Heavy spheres that roll along a pipe
-
-Source: H. S. Ellis, The pipeline flow of capsules, part 5: an experimental investigation of the transport by water of single
-spherical capsules with density greater than that of the water, Canadian Journal of Chemical Engineering 42 (1964), from the
-abstract: in a pipe of 1 1/4 inches and above 2 feet per second, spheres of more than half of the bore were carried at 1.04
-to 1.08 times the mean velocity of the water, mostly rolling.
-
-Driftform: spheres of 2.7 times the density of the water, released at rest on the floor, in the logarithmic law of a smooth
-pipe, with friction 0.3 and `drag = "strips"`; the velocity in the last of 6 s.
-
-Left out: the flow through the gap, which differs above and below a sphere on the floor. The drag of a body that fills much of
-the bore is increased as measured on the axis of a tube.
-
-Met: 0.69 of the bore, and rolling. Not met: 0.5 of the bore, by 0.02 to 0.03; both are out of range.
-"""
+"""Heavy spheres that roll along a pipe."""
 
 import numpy as np
 from rolling import BORE, FOOT, carry_along_floor, last_speed

@@ -1,18 +1,4 @@
-"""A captive submarine hull at a small angle and on a circle
-
-Source: R. F. Roddy, Investigation of the stability and control characteristics of several configurations of the DARPA
-SUBOFF model (DTRC model 5470) from captive-model experiments, DTRC/SHD-1298-08, 1990. The bare hull, 4.356 m long, was
-towed at 6.5 knots (Re = 1.4e7) and turned on a rotating arm; the author states an uncertainty of 4 to 5 % for the first two
-derivatives, of 10 % for the other two. Forces are made dimensionless with the water's density, 4.2608 m and the speed, and refer
-to a point 2.013 m aft of the nose.
-
-Driftform: panels and drag by strips, the derivatives by finite differences.
-
-Left out: vortices that leave the hull's sides ahead of the tail, which turn it less than a tail's wake does. One hull at
-small angles is all that the section of the wake was chosen by.
-
-Met: three derivatives within 7 %. Not met: N_r', a third too small.
-"""
+"""A captive submarine hull at a small angle and on a circle."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline

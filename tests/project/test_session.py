@@ -18,8 +18,8 @@ def conftest():
     return module
 
 
-def skipped(*markers, program="openscad"):
-    longrepr = ("conftest.py", 3, f"Skipped: {program} is not installed")
+def skipped(*markers):
+    longrepr = ("conftest.py", 3, "Skipped: openscad is not installed")
     return pytest.TestReport("test_a", ("a.py", 1, "a"), dict.fromkeys(markers, 1), "skipped", longrepr, "setup")
 
 
@@ -34,18 +34,6 @@ def test_a_program_that_is_missing_fails_its_tests_in_ci_only(conftest, monkeypa
         hook.send(skipped(*markers))
     assert end.value.value.outcome == outcome
     assert "openscad is not installed" in str(end.value.value.longrepr)
-
-
-def test_what_is_missing_is_one_line_however_many_tests_need_it(conftest):
-    rules = conftest.Peers()
-    reports = [skipped("peers"), skipped("peers"), skipped("peers", program="admesh")]
-    [(category, *_)] = {rules.pytest_report_teststatus(report) for report in reports}
-    assert category != "skipped" and rules.pytest_report_teststatus(skipped()) is None
-    lines = []
-    rules.pytest_terminal_summary(SimpleNamespace(stats={category: reports}, write_line=lines.append))
-    assert lines == ["3 tests skipped: admesh is not installed; openscad is not installed"]
-    rules.pytest_terminal_summary(SimpleNamespace(stats={}, write_line=lines.append))
-    assert len(lines) == 1
 
 
 @pytest.mark.parametrize(
@@ -67,14 +55,6 @@ def test_plugins_that_the_core_does_not_install_are_peers(conftest, pytestconfig
     for expression, ignored in ((usual, optional), ("peers and not slow", False)):
         config = SimpleNamespace(option=SimpleNamespace(markexpr=expression))
         assert bool(conftest.Peers().pytest_ignore_collect(ROOT / path, config)) is ignored
-
-
-def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest):
-    marks = []
-    for fixtures in (["tmp_path", "requires_program"], ["tmp_path"]):
-        item = SimpleNamespace(path=ROOT / "tests/a.py", fixturenames=fixtures, add_marker=marks.append)
-        conftest.Peers().pytest_collection_modifyitems([item])
-    assert marks == ["peers"]
 
 
 @pytest.mark.parametrize(
