@@ -3,7 +3,8 @@
     uv run python tests/mutations.py [--only NAME] [--count 60] [--seed 0]
     uv run python tests/mutations.py --chosen [--only NAME]
 
-The second command makes the changes of ``tests/mutants.py``, which reach all over the house.
+The second command makes the changes of ``tests/mutants.toml``, which reach all over the house; with UPDATE_DOCS=1 it writes
+their table in docs/validation.md.
 
 A mutant is another source of one file, which a child process imports in place of that on the disk; the working tree stays
 as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
@@ -28,11 +29,13 @@ import signal
 import sys
 import tempfile
 import time
+import tomllib
 from dataclasses import dataclass
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+CHOSEN, PAGE = ROOT / "tests" / "mutants.toml", ROOT / "docs" / "validation.md"
 
 LIMIT_S = 1800
 """Time limit of the tests of a file that is unchanged, CPU s."""
@@ -116,12 +119,22 @@ EQUIVALENT = {
 
 @dataclass(frozen=True)
 class Mutant:
-    """A file with one change; ``label`` names the function, and what was there and what is there now."""
+    """A file with one change; ``label`` names the function, and what was there and what is there now.
+
+    ``reason`` says why no test can find it, if none can.
+    """
 
     target: Target
     line: int
     label: str
     source: str
+    reason: str = ""
+
+    @property
+    def package(self):
+        """Name of the plugin, or of the package of the core."""
+        parts = Path(self.target.path).parts
+        return parts[1] if parts[0] == "plugins" else f"`{parts[2]}`"
 
 
 # The changes.
@@ -212,31 +225,32 @@ def sample_mutants(targets, count, seed):
 
 
 def list_chosen():
-    """Return the mutants of ``tests/mutants.py``. Raises LookupError if an expression or a test is not there any more."""
-    from mutants import CHOSEN
-
-    files = [path for folder in ("src", "tests", "plugins") for path in (ROOT / folder).rglob("*.py")]
-    # From here: the folder of the clone may be called "tests", too.
-    kept = [path for path in files if "tests" not in path.relative_to(ROOT).parts]
-    sources = {path: path.read_text(encoding="utf-8") for path in kept}
-
-    def find_test(ending):
-        for path in (ROOT / ending, *files):
-            if path.exists() and f"{path}".endswith(f"/{ending}"):
-                return path.relative_to(ROOT).as_posix()
-        raise LookupError(f"{ending}: no such test")
-
+    """Return the mutants of ``tests/mutants.toml``. Raises LookupError if an expression or a test is not there any more."""
     found = []
-    for name, old, new, endings in CHOSEN:
-        holders = [path for path, text in sources.items() if text.count(old) == 1]
-        holders = [path for path in holders if path.name == name] or holders
-        if len(holders) != 1:
-            raise LookupError(f"{name}: {old!r} is in {len(holders)} files")
-        [path] = holders
-        target = Target(path.relative_to(ROOT).as_posix(), tuple(map(find_test, endings)), marks=QUICK_MARKS)
-        line = sources[path].partition(old)[0].count("\n") + 1
-        found.append(Mutant(target, line, f"{path.stem}: {old} -> {new}", sources[path].replace(old, new)))
+    for path, row in tomllib.loads(CHOSEN.read_text(encoding="utf-8")).items():
+        target, text = Target(path, tuple(row["tests"]), marks=QUICK_MARKS), (ROOT / path).read_text(encoding="utf-8")
+        if missing := [name for name in row["tests"] if not (ROOT / name).exists()]:
+            raise LookupError(f"{path}: {missing[0]}: no such test")
+        for old, new, *reason in row["changes"]:
+            if text.count(old) != 1:
+                raise LookupError(f"{path}: {old!r} is there {text.count(old)} times")
+            label = f"{target.name}: {old.strip()} -> {new.strip() or '(nothing)'}"
+            line = text.partition(old)[0].count("\n") + 1
+            found.append(Mutant(target, line, label, text.replace(old, new), *reason))
     return found
+
+
+def write_table(mutants, alive):
+    """Put the number of mutants of each package, and those that live, into docs/validation.md."""
+    rows = ["| package | changes | found | not found |", "|---|---|---|---|"]
+    for package in sorted({mutant.package for mutant in mutants}):
+        own = [mutant for mutant in mutants if mutant.package == package]
+        left = [mutant for mutant in own if mutant in alive]
+        reasons = "; ".join(f"`{mutant.label}`: {mutant.reason or 'no test'}" for mutant in left)
+        rows.append(f"| {package} | {len(own)} | {len(own) - len(left)} | {reasons.replace('|', chr(92) + '|')} |")
+    text = PAGE.read_text(encoding="utf-8")
+    head, mark, rest = text.partition("<!-- generated: mutants -->\n\n")
+    PAGE.write_text(head + mark + "\n".join(rows) + "\n\n" + rest[rest.index("<!-- end -->") :], encoding="utf-8")
 
 
 # One run.
@@ -349,7 +363,9 @@ def main():
     """Run mutants and print those that live."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--only", help="name of one file, without .py")
-    parser.add_argument("--chosen", action="store_true", help="the mutants of tests/mutants.py, in place of drawn ones")
+    parser.add_argument(
+        "--chosen", action="store_true", help="the mutants of tests/mutants.toml, in place of drawn ones"
+    )
     parser.add_argument("--count", type=int, default=60, help="mutants to draw, the same number of each file")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=1, choices=(1, 2))
@@ -391,8 +407,10 @@ def main():
                 alive.append(mutant)
     print(f"{len(alive)} of {len(mutants)} mutants live; {time.monotonic() - begun:.0f} s")
     for mutant in alive:
-        print(f"  {mutant.target.path}:{mutant.line} {mutant.label}")
-    return 1 if alive else 0
+        print(f"  {mutant.target.path}:{mutant.line} {mutant.label}{mutant.reason and ': '}{mutant.reason}")
+    if os.environ.get("UPDATE_DOCS") == "1" and given.chosen and not given.only:
+        write_table(mutants, alive)
+    return 0 if all(mutant.reason for mutant in alive) else 1
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ def test_each_chosen_change_has_its_place_and_its_tests():
     listed = subprocess.run(
         [sys.executable, PROGRAM, "--chosen", "--list"], capture_output=True, text=True, check=False
     )
-    assert listed.returncode == 0, f"tests/mutants.py is out of date: {listed.stderr}"
+    assert listed.returncode == 0, f"tests/mutants.toml is out of date: {listed.stderr}"
 
 
 @pytest.mark.slow
