@@ -76,6 +76,24 @@ SURROUNDINGS = {
 }
 
 
+NOBODY, OTHER_USER = 65534, "a clone of another user"
+
+
+def become_nobody():
+    os.setgroups([])
+    os.setgid(NOBODY)
+    os.setuid(NOBODY)
+
+
+def find_other_user():
+    """Return surroundings in which the clone belongs to another user, if root runs the tests, by a Python for all."""
+    try:
+        subprocess.run([PROGRAM, "--version"], preexec_fn=become_nobody, capture_output=True, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return {}
+    return {OTHER_USER: {"preexec_fn": become_nobody, "env": {"HOME": "."}}}
+
+
 CLOCK_AND_PROCESSES = {
     "a clock that runs backward": {"site": "import time; t = time.time; b = t(); time.time = lambda: 2 * b - t()"},
     "processes that are forked": {"site": "import multiprocessing as m; m.set_start_method('fork')"},
@@ -93,14 +111,22 @@ COMMANDS = {
 }
 
 
+PROGRAM = str(Path(sysconfig.get_path("scripts")) / "driftform")
+
+
 @pytest.mark.parametrize("words", COMMANDS)
 def test_odd_surroundings_change_nothing(tmp_path, rows, show_row, words):
-    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), *words.split(), "--seed", "3", "--out", "out"]
+    command = [PROGRAM, *words.split(), "--seed", "3", "--out", "out"]
     what, surroundings = COMMANDS[words]
+    surroundings = {**surroundings, **find_other_user()}
     fell, expected = [], None
     for number, (name, odd) in enumerate({"usual": {}, **surroundings}.items()):
         folder = tmp_path / str(number) / odd.get("folder", "here")
         folder.mkdir(parents=True)
+        if name == OTHER_USER:
+            os.chown(folder, NOBODY, NOBODY)
+            for above in (folder.parent, tmp_path, *tmp_path.parents[:2]):
+                above.chmod(0o711)
         for file in odd.get("files", ()):
             (folder / file).write_text("raise SystemExit('the wrong module')\n", encoding="utf-8")
         changed = odd.get("env", {})
@@ -118,3 +144,16 @@ def test_odd_surroundings_change_nothing(tmp_path, rows, show_row, words):
             fell.append((name, done.returncode, done.stderr[-500:]))
     assert not fell
     show_row("trials", f"odd surroundings of `{words.split(maxsplit=1)[0]}`", len(surroundings), f"the same {what}")
+
+
+def test_of_two_runs_in_one_directory_one_is_refused_in_one_line(tmp_path, rows, show_row):
+    words = ["evolve", "paper", "--simulator", "native", "--target", "TP3", "--evaluations", "24", "--workers", "1"]
+    for number in range(5):
+        command = [PROGRAM, *words, "--seed", "3", "--out", f"run-{number}"]
+        both = [subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+        said = [process.communicate()[1].splitlines() for process in both]
+        assert sorted(process.returncode for process in both) == [0, 2]
+        [error] = [line for lines in said for line in lines if line.startswith("error: ")]
+        assert f"run-{number}" in error
+        assert len(rows(tmp_path / f"run-{number}")) == 24
+    show_row("trials", "two runs begun in one directory", 5, "one is refused in one line")

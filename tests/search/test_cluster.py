@@ -69,6 +69,15 @@ def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins
     assert "Traceback" not in err
 
 
+def test_workers_that_stop_at_their_limit_of_memory_are_said(start, dask, dask_scheduler, tmp_path):
+    small = ("--nthreads", 1, "--no-nanny", "--memory-limit", "50MB")
+    with dask_scheduler() as (address, _), dask("worker", address, *small, cwd=tmp_path) as worker:
+        with start(*STUDY, "--scheduler", address, cwd=tmp_path) as process:
+            assert process.stderr.readline().startswith(f"{address} has only workers near their limit of memory")
+            process.kill()
+        worker.terminate()
+
+
 def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     start, dask, dask_scheduler, run, rows, tmp_path
 ):

@@ -72,7 +72,6 @@ def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one():
         ([CRASH] * ATTEMPTS, "its process died 2 times (SIGSEGV)"),
         ([KILL] * (KILLS - 1), None),
         ([KILL] * KILLS, f"its process was killed 5 times (SIGKILL), {OUTSIDE}"),
-        ([WorkerDiedError(Cause.KILL)] * KILLS, f"its process was killed 5 times, {OUTSIDE}"),
         ([CRASH] * (ATTEMPTS - 1) + [KILL] * (KILLS - 1), None),
         ([TIMEOUT], "its evaluation did not end within 7 s (run.evaluation_timeout)"),
         ([START] * (STARTS - 1) + [None], None),

@@ -72,7 +72,10 @@ class Cluster(Executor):
             return self._make_lost_error()
         error = future.exception()
         if isinstance(error, KilledWorker):
-            return WorkerDiedError(Cause.KILL)
+            # Genomes are evaluated in another process, and not to blame.
+            return WorkerDiedError(
+                Cause.START, "somebody killed them, or their nannies: see dask worker --memory-limit"
+            )
         if error is None or isinstance(error, DriftformError):
             return error
         return WorkFailedError(
@@ -86,18 +89,20 @@ class Cluster(Executor):
             return
         self._polled_at = now
         try:
-            # Whatever their number of threads, each evaluates one genome at a time.
-            self._count = len(self._client.nthreads())
+            workers = self._client.sync(self._client.scheduler.identity)["workers"].values()
         except Exception:
             raise self._make_lost_error() from None
+        # Whatever their number of threads, each evaluates one genome at a time, and one that is near its limit of memory none.
+        self._count = sum(worker["status"] == "running" for worker in workers)
         self.processes = max(1, self._count)
         if self._count:
             self._seen_at, self._has_printed = now, False
         # A dead worker is replaced within a few seconds.
         elif now - self._seen_at > CONNECT_TIMEOUT_S and not self._has_printed:
             self._has_printed = True
+            why = "has only workers near their limit of memory (--memory-limit)" if workers else "has no worker"
             join = f"dask worker {self._address} --nthreads 1"
-            print(f"{self._address} has no worker; waiting for one: {join}", file=sys.stderr, flush=True)
+            print(f"{self._address} {why}; waiting for one: {join}", file=sys.stderr, flush=True)
 
     def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
         """Call functions in processes on this machine, because the workers of the cluster may be on others."""

@@ -182,13 +182,12 @@ class Executor:
             self._repeated.extend(_Task(task.call, [job]) for job in task.jobs)
             return
         task.deaths[death.cause] += 1
-        why = f" ({death.detail})" if death.detail else ""
         if death.cause is Cause.TIMEOUT:
             failure = f"its evaluation did not end within {self._timeout:g} s (run.evaluation_timeout)"
         elif task.deaths[Cause.CRASH] >= ATTEMPTS:
-            failure = f"its process died {ATTEMPTS} times{why}"
+            failure = f"its process died {ATTEMPTS} times ({death.detail})"
         elif task.deaths[Cause.KILL] >= KILLS:
-            failure = f"its process was killed {KILLS} times{why}, from outside or for want of memory"
+            failure = f"its process was killed {KILLS} times ({death.detail}), from outside or for want of memory"
         else:
             self._repeated.append(task)
             return
