@@ -1,5 +1,6 @@
 """Fixtures of the tests of driftform and of its plugins: the program, called in this process, and other programs."""
 
+import json
 import shutil
 import sys
 
@@ -15,6 +16,18 @@ def call(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     return lambda *args: CliRunner().invoke(app, [str(arg) for arg in args], prog_name="driftform")
+
+
+@pytest.fixture
+def done(call):
+    """Call the program, which does what it is asked; return what it prints, and of ``--json`` the document."""
+
+    def printed(*args):
+        result = call(*args)
+        assert result.exit_code == 0, result.stderr
+        return json.loads(result.stdout) if "--json" in args else result.stdout
+
+    return printed
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ GRAMMAR = BSplineGrammar(BSplineOptions())
 class TestBSpline(GrammarContract):
     nonsense = (*GrammarContract.nonsense, "0.05", "nan" + ",0" * 9, "5" + ",0" * 9)
 
-    def plugin(self) -> BSplineGrammar:
+    def plugin(self):
         return GRAMMAR
 
 

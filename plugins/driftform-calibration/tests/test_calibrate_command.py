@@ -1,6 +1,5 @@
 """``driftform calibrate`` and ``driftform drop``: documents, files, and one line for each track that is broken."""
 
-import json
 import shutil
 import tomllib
 from pathlib import Path
@@ -34,10 +33,8 @@ def track(tmp_path):
 
 
 @pytest.mark.long
-def test_the_document_has_factors_residual_and_files(call, track):
-    result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found", "--json")
-    assert result.exit_code == 0, result.stderr
-    found = json.loads(result.stdout)
+def test_the_document_has_factors_residual_and_files(done, track):
+    found = done("calibrate", "C", track, "--fit", "cross_drag", "--out", "found", "--json")
     assert set(found["factors"]) == FACTORS
     for factor in found["factors"].values():
         assert {"value", "low", "high", "known"} <= set(factor)
@@ -57,40 +54,34 @@ def test_the_document_has_factors_residual_and_files(call, track):
     page = Path("found/report.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
     # The agent remembers it, and any study takes it.
-    remembered = call("inspect", "found/agent.json", "--json")
-    assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(drag["value"], rel=1e-3)
-    shown = call("inspect", "found/agent.json")
-    assert "calibrated cross drag" in shown.stdout
+    remembered = done("inspect", "found/agent.json", "--json")["calibration"]
+    assert remembered["cross_drag"]["value"] == pytest.approx(drag["value"], rel=1e-3)
+    assert "calibrated cross drag" in done("inspect", "found/agent.json")
     study = load_study("pipe-inspection", calibration="found/calibration.toml")
     assert study.scenario.calibration.intervals["cross_drag"][0] == found["calibration"]["cross_drag"][0]
 
 
 @pytest.mark.long
-def test_a_body_of_ones_own_is_calibrated_by_its_film(call, write_track, tmp_path):
+def test_a_body_of_ones_own_is_calibrated_by_its_film(call, done, write_track, tmp_path):
     shutil.copy(TRACKS.parent / "bodies" / "remus-100.csv", tmp_path)
-    made = call("body", "remus-100.csv", "--mass", 40, "--cog", 0.6, "--scenario", "tank", "--out", "r.json")
-    assert made.exit_code == 0, made.stderr
+    done("body", "remus-100.csv", "--mass", 40, "--cog", 0.6, "--scenario", "tank", "--out", "r.json")
     design = open_agent("r.json")
     bench = place_drop(design.pipeline, design.agent.morphology, 30.0, depth=3.0)
     film = film_flight(bench, Factors(cross_drag=1.3), np.random.default_rng(5), EXACT)
     Path("1.toml").write_text(FILM, encoding="utf-8")
     given = ("--fit", "cross_drag", "--out", "found", "--json")
-    result = call("calibrate", "r.json", write_track(Path("1.csv"), film), *given)
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["factors"]["cross_drag"]["value"] == pytest.approx(1.3, rel=0.03)
-    inspected = call("inspect", "found/agent.json")
-    assert inspected.exit_code == 0 and "calibrated cross drag" in inspected.stdout
+    found = done("calibrate", "r.json", write_track(Path("1.csv"), film), *given)
+    assert found["factors"]["cross_drag"]["value"] == pytest.approx(1.3, rel=0.03)
+    assert "calibrated cross drag" in done("inspect", "found/agent.json")
     assert "--tank 1 0.5 0.5: the agent is 1.33 m long" in call("drop", "r.json").stderr
 
 
-def test_people_read_factors_intervals_notes_and_the_next_step(call, track):
+def test_people_read_factors_intervals_notes_and_the_next_step(done, track):
     rows = np.loadtxt(track, delimiter=",", skiprows=1)
     np.savetxt(track, rows[::-1], delimiter=",", header="t (s),z (mm)", comments="")
-    result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found")
-    assert result.exit_code == 0, result.stderr
-    assert "cross drag" in result.stdout and "90 % interval" in result.stdout
-    assert "rows were put in the order of time" in result.stdout
-    assert "next: driftform evolve --calibration found/calibration.toml" in result.stdout
+    told = done("calibrate", "C", track, "--fit", "cross_drag", "--out", "found")
+    assert "cross drag" in told and "90 % interval" in told and "rows were put in the order of time" in told
+    assert "next: driftform evolve --calibration found/calibration.toml" in told
 
 
 @pytest.mark.parametrize(
@@ -128,10 +119,8 @@ def test_a_calibration_that_is_none_is_refused(refused, tmp_path):
 
 
 @pytest.mark.long
-def test_drops_are_planned_with_a_page_and_a_study_for_each(call):
-    result = call("drop", WORD, "--drops", 2, "--tank", 0.6, 0.4, 0.4, "--out", "plan", "--json")
-    assert result.exit_code == 0, result.stderr
-    plan = json.loads(result.stdout)
+def test_drops_are_planned_with_a_page_and_a_study_for_each(done):
+    plan = done("drop", WORD, "--drops", 2, "--tank", 0.6, 0.4, 0.4, "--out", "plan", "--json")
     assert len(plan["drops"]) == 2
     gains = [drop["gain_bits"] for drop in plan["drops"]]
     assert gains == sorted(gains, reverse=True) and gains[-1] > 0
@@ -144,8 +133,7 @@ def test_drops_are_planned_with_a_page_and_a_study_for_each(call):
         study = tomllib.loads(Path(f"plan/drop-{number}.toml").read_text(encoding="utf-8"))
         assert study["release"]["pitch_deg"] == drop["pitch_deg"]
         assert 0 < drop["depth"] < 0.4 and study["release"]["position"][2] == -drop["depth"]
-    again = call("simulate", WORD, "--scenario", "plan/drop-1.toml", "--out", "flight", "--json")
-    assert again.exit_code == 0, again.stderr
+    done("simulate", WORD, "--scenario", "plan/drop-1.toml", "--out", "flight", "--json")
 
 
 def test_a_tank_that_is_smaller_than_the_agent_is_refused(refused):

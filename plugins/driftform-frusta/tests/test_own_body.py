@@ -241,29 +241,26 @@ def test_wrong_options_and_files_are_refused_in_one_line(refused):
     assert "has one genome, without symbols" in refused("evolve", "--set", "grammar.use=fixed")
 
 
-def test_the_agent_is_one_for_other_commands(call, tmp_path):
+def test_the_agent_is_one_for_other_commands(done):
     write_csv(Path("capsule.csv"), spheroid_body(0.03, 0.0125).outer, "mm")
-    made = call("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--json")
-    assert made.exit_code == 0, made.stderr
-    facts = json.loads(made.stdout)
+    facts = done("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--json")
     assert (facts["length"], facts["cob"]) == pytest.approx((0.06, 0.03), rel=1e-3)
-    shown = call("inspect", "capsule.json")
-    assert shown.exit_code == 0 and "modules" not in shown.stdout and "2.000 mm from the volume's" in shown.stdout
+    shown = done("inspect", "capsule.json")
+    assert "modules" not in shown and "2.000 mm from the volume's" in shown
     design = open_agent("capsule.json").under("flight.horizon=1.0", use={"simulator": "native"})
     assert len(design.disturb(2).offsets) == 2
-    assert json.loads(call("export", "capsule.json", "--format", "stl,svg,scad", "--json").stdout)
-    turned = call("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json")
-    assert json.loads(turned.stdout)["added_mass"] == pytest.approx(facts["added_mass"], rel=1e-3)
+    assert done("export", "capsule.json", "--format", "stl,svg,scad", "--json")
+    turned = done("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json")
+    assert turned["added_mass"] == pytest.approx(facts["added_mass"], rel=1e-3)
 
 
 LAUV = ("body", BODIES / "lauv.csv", "--mass", 18, "--cog", 0.546, "--scenario", BODIES / "open-sea.toml")
 
 
-def test_published_coefficients_of_lauv_replace_those_of_its_hull(call):
+def test_published_coefficients_of_lauv_replace_those_of_its_hull(done):
     """With fins, about the centre of gravity; what has no number in the paper is that of a body of revolution."""
-    done = call(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json", "--json")
-    assert done.exit_code == 0, done.stderr
-    assert json.loads(done.stdout)["measured"] == ["added_mass", "linear_damping", "quadratic_damping"]
+    told = done(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json", "--json")
+    assert told["measured"] == ["added_mass", "linear_damping", "quadratic_damping"]
     design = open_agent("lauv.json")
     found, mass = design.coefficients, design.mass
     assert np.diag(added_mass_at(found, mass.cog)) == pytest.approx([1, 16, 16, 0.005, 1.3, 1.3])
@@ -285,21 +282,21 @@ def test_published_coefficients_of_lauv_replace_those_of_its_hull(call):
 
 
 @pytest.mark.peers
-def test_coefficients_of_an_export_are_read_back(call):
-    assert call(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json").exit_code == 0
-    block = call("inspect", "lauv.json", "--block", "fossen").stdout
+def test_coefficients_of_an_export_are_read_back(done):
+    done(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json")
+    block = done("inspect", "lauv.json", "--block", "fossen")
     Path("again.toml").write_text(block[block.index("added_mass") : block.index("# Largest")], encoding="utf-8")
-    assert call(*LAUV, "--coefficients", "again.toml", "--out", "again.json").exit_code == 0
+    done(*LAUV, "--coefficients", "again.toml", "--out", "again.json")
     first, again = (open_agent(name).coefficients for name in ("lauv.json", "again.json"))
     for name in ("added_mass", "linear_damping", "quadratic_damping"):
         assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
 
 
 @pytest.mark.peers
-def test_the_hull_keeps_what_the_file_leaves_out(call):
+def test_the_hull_keeps_what_the_file_leaves_out(done):
     Path("some.toml").write_text("origin = 0.6\nX_u = -3\nY_v = -9\nN_r = -4\n", encoding="utf-8")
-    assert call(*LAUV, "--coefficients", "some.toml", "--out", "some.json").exit_code == 0
-    assert call(*LAUV, "--out", "hull.json").exit_code == 0
+    done(*LAUV, "--coefficients", "some.toml", "--out", "some.json")
+    done(*LAUV, "--out", "hull.json")
     some, hull = open_agent("some.json"), open_agent("hull.json")
     cog = hull.mass.cog
     assert added_mass_at(some.coefficients, cog) == pytest.approx(added_mass_at(hull.coefficients, cog), abs=1e-9)
@@ -307,7 +304,7 @@ def test_the_hull_keeps_what_the_file_leaves_out(call):
     assert np.diag(some.coefficients.linear_damping) == pytest.approx([3, 9, 9, 0, 4, 4])
     assert hull.compare_added_mass().keys() == {"panels", "striptheory"}
     # Of its drag, as docs/robotics.md has it.
-    block = tomllib.loads(call("inspect", "hull.json", "--block", "fossen").stdout)
+    block = tomllib.loads(done("inspect", "hull.json", "--block", "fossen"))
     assert np.diag(block["quadratic_damping"])[[2, 4]] == pytest.approx([63, 2.2], rel=0.02)
     assert hull.coefficients.drag is not None and some.coefficients.drag is None
 
@@ -321,15 +318,15 @@ def test_a_mesh_with_fins_is_taken_with_coefficients_and_a_warning_of_what_is_mi
     given = ("body", "finned.stl", "--mass", 17, "--cog", 0.5)
     assert "for fins, give --coefficients" in refused(*given)
     Path("some.toml").write_text("X_udot = -1\nY_vdot = -16\nM_qdot = -1.3\n", encoding="utf-8")
-    done = call(*given, "--coefficients", "some.toml", "--json")
-    assert done.exit_code == 0, done.stderr
+    made = call(*given, "--coefficients", "some.toml", "--json")
+    assert made.exit_code == 0, made.stderr
     # From the circle that has the area of the section there.
     radius = np.sqrt(75**2 + 4 * 50 * thick / np.pi)
-    assert json.loads(done.stdout)["deviation"] == pytest.approx((span / 2 - radius) / (2 * radius), rel=0.01)
+    assert json.loads(made.stdout)["deviation"] == pytest.approx((span / 2 - radius) / (2 * radius), rel=0.01)
     warning = (
         "is left out of contact; lift; linear damping, which some.toml lacks; quadratic damping, which some.toml lacks"
     )
-    assert done.stderr.strip().endswith(warning)
+    assert made.stderr.strip().endswith(warning)
 
 
 @pytest.mark.parametrize(

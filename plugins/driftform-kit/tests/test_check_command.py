@@ -18,16 +18,14 @@ def lines(result):
     return {line["check"]: line for line in document["lines"]}
 
 
-def exported(call, format="stl"):
-    result = call("export", WORD, "--format", format, "--json")
-    assert result.exit_code == 0, result.stderr
-    return Path(json.loads(result.stdout)["files"][0]["path"])
+def exported(done, format="stl"):
+    return Path(done("export", WORD, "--format", format, "--json")["files"][0]["path"])
 
 
-def agent_file(call, word, path):
+def agent_file(done, word, path):
     """The agent of a word as an agent.json."""
     if not Path("sampled").exists():
-        assert call("sample", "--count", 1, "--out", "sampled").exit_code == 0
+        done("sample", "--count", 1, "--out", "sampled")
     document = json.loads(Path("sampled/agent-0001.json").read_text())
     document["genome"]["symbols"] = ["C", *word.split("-")] if not word.startswith("C") else word.split("-")
     path.write_text(json.dumps(document))
@@ -57,8 +55,8 @@ def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call):
 
 
 @pytest.mark.long
-def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call):
-    path = exported(call)
+def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call, done):
+    path = exported(done)
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "skipped"
     named = lines(call("check", path, "--agent", WORD, "--no-programs", "--json"))
     assert named["mass"]["state"] == "pass"
@@ -67,21 +65,21 @@ def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call):
     assert [check for check, line in lines(wrong).items() if line["state"] == "fail"] == ["mass"]
 
 
-def test_the_agent_beside_a_file_is_its_own(call):
-    path = exported(call)
-    agent_file(call, WORD, path.with_name("agent.json"))
+def test_the_agent_beside_a_file_is_its_own(call, done):
+    path = exported(done)
+    agent_file(done, WORD, path.with_name("agent.json"))
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
-    agent_file(call, OTHER, path.with_name("agent.json"))
+    agent_file(done, OTHER, path.with_name("agent.json"))
     assert call("check", path, "--no-programs").exit_code == 1
 
 
-def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call, tmp_path):
-    own = {"Metadata/agent.json": agent_file(call, WORD, tmp_path / "own.json").read_text()}
-    mesh = trimesh.load_mesh(exported(call))
+def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call, done, tmp_path):
+    own = {"Metadata/agent.json": agent_file(done, WORD, tmp_path / "own.json").read_text()}
+    mesh = trimesh.load_mesh(exported(done))
     path = write_3mf(
         tmp_path / "hull.3mf", f'<object id="1">{mesh_xml(mesh.vertices, mesh.faces)}</object>', attached=own
     )
-    agent_file(call, OTHER, tmp_path / "agent.json")
+    agent_file(done, OTHER, tmp_path / "agent.json")
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
 
 
@@ -152,17 +150,15 @@ def test_without_any_checker_nothing_is_called_printable(call, monkeypatch):
 LONG = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
 
 
-def exported_kit(call, *options):
+def exported_kit(done, *options):
     arguments = [part for option in options for part in ("--option", option)]
     plain = ("--set", "builder.pockets.diameter=0")
-    result = call("export", LONG, *plain, "--kit", "--format", "3mf", *arguments, "--json")
-    assert result.exit_code == 0, result.stderr
-    return Path(json.loads(result.stdout)["files"][0]["path"])
+    return Path(done("export", LONG, *plain, "--kit", "--format", "3mf", *arguments, "--json")["files"][0]["path"])
 
 
-def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call):
+def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call, done):
     made = ("ballast=[[0.04,0.006]]", "lap=0.007", "bed=[0.2,0.2,0.26]", "nozzle=0.0005")
-    path = exported_kit(call, *made)
+    path = exported_kit(done, *made)
     result = call("check", path, "--no-programs", "--json")
     assert result.exit_code == 0, result.stdout + result.stderr
     found = lines(result)
@@ -185,20 +181,19 @@ def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_
         (b'{"kit\\u001b[2J": true}', "x1b[2J'"),
     ],
 )
-def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(call, refused, data, message):
-    path = exported_kit(call)
+def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(done, refused, data, message):
+    path = exported_kit(done)
     edit_archive(path, {"Metadata/kit.json": data})
     line = refused("check", path, "--no-programs")
     assert line.startswith(f"error: {path}: its kit.json: ") and message in line
     assert line.isprintable() and len(line) < 300
 
 
-def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call):
+def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call, done):
     word = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB"
     # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
     little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")
-    result = call("export", word, "--kit", "--format", "3mf", *little, "--json")
-    path = Path(json.loads(result.stdout)["files"][0]["path"])
+    path = Path(done("export", word, "--kit", "--format", "3mf", *little, "--json")["files"][0]["path"])
     edit_archive(path, removed=["Metadata/kit.json"])  # as other programs save it
     coarse = ("--set", "checker.mesh.coarse=0.2")
     found = lines(call("check", path, "--no-programs", "--json", *coarse))["mass"]

@@ -1,6 +1,5 @@
 """``export --kit``: files for each part, the balance of the kit, and clear lines where there can be none."""
 
-import json
 import shlex
 
 import pytest
@@ -15,14 +14,14 @@ WIDE = "addF-tiltp-2-L-moveF-addF-tiltp-1-L-moveF-addF-tiltp-0-L-moveF-addB-tilt
 """As wide fore of the core as a bayonet needs."""
 
 
-def files(call, *arguments, agent=LONG):
+def files(done, *arguments, agent=LONG):
     """What the command says of files with parts; the assembly sheets are left out."""
-    found = json.loads(call("export", agent, *arguments, "--json").stdout)["files"]
+    found = done("export", agent, *arguments, "--json")["files"]
     return [file for file in found if "-assembly-" not in file["path"]]
 
 
-def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call, tmp_path):
-    aft, fore = files(call, "--kit", "--out", str(tmp_path))
+def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(done, tmp_path):
+    aft, fore = files(done, "--kit", "--out", str(tmp_path))
     assert aft["path"].endswith("-aft-shell.stl") and fore["path"].endswith("-fore-shell.stl")
     assert aft["kit"] == fore["kit"]
     assert aft["kit"]["joint"]["kind"] == "sleeve"
@@ -33,12 +32,12 @@ def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call, tmp_path):
         assert 1e-9 * mesh.volume * 1050 == pytest.approx(part["mass_kg"], rel=1e-5)
 
 
-def test_the_assembly_sheet_is_written_once_for_all_formats(call, tmp_path):
-    out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
+def test_the_assembly_sheet_is_written_once_for_all_formats(done, tmp_path):
+    out = done("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path))
     pages = sorted(page.name for page in tmp_path.glob("*.svg"))
     assert [page[-15:] for page in pages] == ["-assembly-1.svg", "-assembly-2.svg"]
     assert [out.count(page) for page in pages] == [1, 1]
-    call("export", LONG, "--format", "stl", "--out", str(tmp_path / "whole"))
+    done("export", LONG, "--format", "stl", "--out", str(tmp_path / "whole"))
     assert not list((tmp_path / "whole").glob("*.svg"))
 
 
@@ -68,13 +67,13 @@ def test_the_note_on_kits_is_for_formats_that_have_them(call, tmp_path):
     assert "--kit" not in call("export", LONG, *made, "--format", "sdf").stderr
 
 
-def test_an_agent_simulated_with_a_bayonet_is_exported_and_trimmed_as_a_kit_with_a_bayonet(call, tmp_path):
+def test_an_agent_simulated_with_a_bayonet_is_exported_and_trimmed_as_a_kit_with_a_bayonet(call, done, tmp_path):
     made = ("--set", "builder.made_as=kit", "--set", "builder.kit.joint=bayonet", "--kit")
-    simulated, printed = files(call, *made, "--out", str(tmp_path), agent=WIDE)[0]["kit"]["balance"]
+    simulated, printed = files(done, *made, "--out", str(tmp_path), agent=WIDE)[0]["kit"]["balance"]
     assert printed["mass_kg"] == pytest.approx(simulated["mass_kg"], abs=1e-7)
-    trimmed = json.loads(call("trim", WIDE, *made, "--json").stdout)
+    trimmed = done("trim", WIDE, *made, "--json")
     assert trimmed["printed_mass"] == pytest.approx(simulated["mass_kg"], abs=1e-7)
-    glued = files(call, *made, "--option", "joint=auto", "--out", str(tmp_path), agent=WIDE)
+    glued = files(done, *made, "--option", "joint=auto", "--out", str(tmp_path), agent=WIDE)
     assert glued[0]["kit"]["joint"]["kind"] == "sleeve"
     result = call("export", WIDE, *made, "--option", "joint=auto", "--bed", "15,15,15", "--out", str(tmp_path))
     assert result.exit_code == 1 and "; the agent was simulated with the [builder.kit] options" in result.stderr
@@ -88,10 +87,10 @@ def test_what_holds_parts_is_written_and_what_does_not_is_named_first(call, tmp_
 
 
 @pytest.mark.long
-def test_sheets_in_the_folder_of_a_run_name_the_agent_as_commands_take_it(call, tmp_path):
+def test_sheets_in_the_folder_of_a_run_name_the_agent_as_commands_take_it(done, tmp_path):
     run = tmp_path / "run 2"
     formats = ("--set", 'run.formats=["stl"]', "--set", "exporter.stl.kit=true")
     few = ("--target", "TP5", "--evaluations", "8", "--seed", "4", "--workers", "1", "--robust", "0")
-    assert call("evolve", *few, "--simulator", "native", *formats, "--out", str(run)).exit_code == 0
+    done("evolve", *few, "--simulator", "native", *formats, "--out", str(run))
     sheet = (run / "best/TP5/agent-assembly-2.svg").read_text(encoding="utf-8")
     assert f"driftform trim {shlex.quote(f'{run}:TP5')} --kit" in sheet

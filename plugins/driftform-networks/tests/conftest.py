@@ -152,18 +152,9 @@ def fork_file(tmp_path_factory):
 
 
 @pytest.fixture
-def call(tmp_path, monkeypatch):
-    """Run ``driftform network`` in an empty directory, with a cache that the tests share."""
-    from typer.testing import CliRunner
-
-    from driftform.cli.app import app
-
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        return CliRunner().invoke(app, ["network", *map(str, arguments)])
-
-    return run
+def call(call):
+    """Call ``driftform network`` in an empty directory, with a cache that the tests share."""
+    return lambda *arguments: call("network", *arguments)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,6 +1,5 @@
 """Fleets: the choice against all choices, and the bounds against those of a network that is known."""
 
-import json
 from itertools import combinations_with_replacement
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -59,12 +58,10 @@ def test_rows_are_chosen_far_from_each_other():
     assert len(spread_rows(points, 9)) == 4
 
 
-def test_a_fleet_has_the_keys_of_the_contract_and_its_files(call, fork_file):
+def test_a_fleet_has_the_keys_of_the_contract_and_its_files(done, fork_file):
     words = ["fleet", fork_file, "--release", "source", "--size", 4, "--buoyancy", 0, "--agent", WORD]
     files = ["--map", "map.svg", "--tables", "tables", "--report", "fleet.html", "--agents", "agents"]
-    result = call(*words, *files, "--json")
-    assert result.exit_code == 0, result.stderr
-    document = json.loads(result.stdout)
+    document = done(*words, *files, "--json")
     assert len(document["members"]) == 4
     assert {"agent", "release", "hour", "probability", "gain", "stuck"} == set(document["members"][0])
     # The main is seen by all, and the branch by one third of each.

@@ -1,6 +1,5 @@
 """Plans: nets against all choices of them, what receivers hear and pipes are worth, and maps that other programs read."""
 
-import json
 import shutil
 import subprocess
 from dataclasses import replace
@@ -71,13 +70,11 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file,
     assert {end.kind for end in passage.ends} == {"demand", "under way"}
 
 
-def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call, epanet):
+def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(done, epanet):
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
     words += ["--agent", "sphere:5mm"]
     files = ["--gis", "gis", "--crs", "EPSG:25832", "--map", "plan.svg", "--tables", "tables", "--report", "plan.html"]
-    result = call(*words, *files, "--json")
-    assert result.exit_code == 0, result.stderr
-    document = json.loads(result.stdout)
+    document = done(*words, *files, "--json")
     assert len(document["members"]) == 3 and len(document["nets"]) == 4
     assert document["random"] + 0.2 < document["value"] <= document["bound"] <= 1
     assert document["recorded"] <= document["coverage_with_nets"] <= document["coverage"]
@@ -103,7 +100,7 @@ def test_receivers_hear_along_the_pipes_and_not_across(fork_file, tmp_path):
     assert find_heard(network, both, 120.0) == pytest.approx([0.6, 0.6, 0])
 
 
-def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(fork_file, tmp_path, call):
+def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(fork_file, tmp_path, done):
     network = open_network(fork_file, tmp_path)
     Path("pipes.csv").write_text("pipe,material,risk\nmain,iron,1\non,iron,3\nside,lead,4\n")
     columns = read_pipes(Path("pipes.csv"), network)
@@ -126,7 +123,7 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(fork_file, tmp_
         "--gis",
         "gis",
     ]
-    document = json.loads(call("tracers", fork_file, "--release", "source", *options, "--json").stdout)
+    document = done("tracers", fork_file, "--release", "source", *options, "--json")
     assert [row["value"] for row in document["by"]["material"]] == ["iron", "lead"]
     assert [row["value"] for row in document["by"]["diameter"]] == ["0.3"]
     assert {Path(file).name for file in document["files"]} == {"links-unknown-crs.geojson", "nodes-unknown-crs.geojson"}
@@ -165,12 +162,11 @@ def test_clock_times_count_from_the_clock_at_which_the_simulation_begins(epanet)
     assert hydraulics.format_clock(18.0, 3600.0) == "1 d 01:00"
 
 
-def test_gdal_reads_the_maps_with_their_reference_system(epanet, tmp_path, call):
+def test_gdal_reads_the_maps_with_their_reference_system(epanet, tmp_path, done):
     if shutil.which("ogrinfo") is None:
         pytest.skip("ogrinfo of gdal-bin is not installed")
     folder = tmp_path / "gis"
-    result = call("tracers", "Net3", "--release", "61", "--steady", 0, "--gis", folder, "--crs", "EPSG:25832")
-    assert result.exit_code == 0, result.stderr
+    done("tracers", "Net3", "--release", "61", "--steady", 0, "--gis", folder, "--crs", "EPSG:25832")
     for name, kind, _count in (("nodes", "Point", 83), ("links", "Line String", None)):
         said = subprocess.run(["ogrinfo", "-al", "-so", folder / f"{name}.geojson"], capture_output=True, text=True, check=True).stdout  # fmt: skip
         assert f"Geometry: {kind}" in said and "ETRS89 / UTM zone 32N" in said

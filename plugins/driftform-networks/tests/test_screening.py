@@ -1,15 +1,12 @@
 """Which bodies may be used: the speed that moves one from the wall, and what the command says of a day with a still night."""
 
-import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.types import End
-from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.bodies import open_traveller
 from driftform_networks.flights.straight import fly, release
 from driftform_networks.flights.threshold import moving_speed, rolling_resistance
 
@@ -44,7 +41,7 @@ DAY = """
 """By day 0.42 m/s in a main of 300 mm and 0.8 m/s in one of 40 mm; a twentieth of that from hour 12 on."""
 
 
-def test_a_sphere_rolls_from_the_speed_at_which_its_drag_lifts_it_over_the_roughness() -> None:
+def test_a_sphere_rolls_from_the_speed_at_which_its_drag_lifts_it_over_the_roughness():
     """Turbulent drag, 24/Re (1 + 0.15 Re^0.687) (Schiller and Naumann 1933), by the water at its middle."""
     heavy = open_traveller("sphere:20mm", buoyancy=-0.001)
     speed = moving_speed(heavy, 2.0)
@@ -57,7 +54,7 @@ def test_a_sphere_rolls_from_the_speed_at_which_its_drag_lifts_it_over_the_rough
     assert drag == pytest.approx(force, rel=0.15)
 
 
-def test_slopes_hold_what_they_would_roll_back_and_weightless_bodies_never_rest() -> None:
+def test_slopes_hold_what_they_would_roll_back_and_weightless_bodies_never_rest():
     heavy, light = (open_traveller("sphere:45mm", buoyancy=buoyancy) for buoyancy in (-0.01, 0.01))
     assert moving_speed(heavy, 0.3, 0.15) > moving_speed(heavy, 0.3) > moving_speed(heavy, 0.3, -0.05) > 0
     assert moving_speed(heavy, 0.3, -0.5) == moving_speed(light, 0.3, 0.5) == 0
@@ -65,7 +62,7 @@ def test_slopes_hold_what_they_would_roll_back_and_weightless_bodies_never_rest(
     assert moving_speed(open_traveller("sphere:45mm"), 0.3, 0.5) == 0
 
 
-def fly_from_rest(body: Traveller, bore: float, speed: float) -> float:
+def fly_from_rest(body, bore, speed):
     """Speed of a body at the end of 60 s, m/s, that lies on the floor of a level pipe at the begin."""
     document = body.scenario.model_dump(include={"fluid", "flow", "gusts", "contact"})
     document["flow"]["speed"], document["gusts"]["strength"] = speed, 0.0
@@ -79,7 +76,7 @@ def fly_from_rest(body: Traveller, bore: float, speed: float) -> float:
 
 
 @pytest.mark.long
-def test_flown_bodies_move_from_half_this_speed_on_and_at_it_at_the_latest() -> None:
+def test_flown_bodies_move_from_half_this_speed_on_and_at_it_at_the_latest():
     """Lift and their tilt help them: those of 29 and 52 mm move from 0.7 and 0.5 of it."""
     for word in (WORD, "addB-tiltp-0-L-moveB-addB-tiltp-0-L-moveB-addF-tiltp-0-L-moveF"):
         body = open_traveller(word, buoyancy=-0.01)
@@ -88,12 +85,10 @@ def test_flown_bodies_move_from_half_this_speed_on_and_at_it_at_the_latest() -> 
         assert fly_from_rest(body, 0.3, speed) > 0.2 * speed
 
 
-def test_bodies_are_compared_by_where_they_fit_and_rest(call: Callable[..., Any]) -> None:
+def test_bodies_are_compared_by_where_they_fit_and_rest(done):
     Path("day.inp").write_text(DAY)
     words = ("bodies", "day.inp", "--release", "source", "--buoyancy", 0, "--buoyancy", -0.01, "--walks", 50)
-    result = call(*words, "--map", "day.svg", "--json")
-    assert result.exit_code == 0, result.stderr
-    found = json.loads(result.stdout)
+    found = done(*words, "--map", "day.svg", "--json")
     bodies = {one["body"]: one for one in found["bodies"]}
     assert [one["diameter"] for one in found["bodies"]] == pytest.approx(np.repeat([0.045, 0.03, 0.02, 0.01], 2))
     assert bodies["sphere-45mm"]["closed"] == {"side": "too wide: 45 mm in a bore of 40 mm"}
@@ -110,14 +105,12 @@ def test_bodies_are_compared_by_where_they_fit_and_rest(call: Callable[..., Any]
     assert bodies["sphere-30mm"]["pressure"] == pytest.approx(50 * 999.1 * 9.81, rel=0.01)
     assert found["use"] == "sphere-30mm-heavy-10mN"
     assert {one["node"] for one in found["catch"]} == {"fork", "narrow"}
-    lines = call(*words).stdout
+    lines = done(*words)
     assert "use sphere-30mm-heavy-10mN: it can go into 100.0 % of the 1.0 km, as what is nearer to neutral can" in lines
     assert "a hull withstands it with builder.pressure = 5.0e5" in lines
 
 
-def test_the_hull_of_an_agent_is_compared_with_the_pressure(call: Callable[..., Any], fork_file: Path) -> None:
+def test_the_hull_of_an_agent_is_compared_with_the_pressure(done, fork_file):
     words = ("bodies", fork_file, "--release", "source", "--agent", WORD, "--set", "builder.pressure=3e5")
-    result = call(*words)
-    assert result.exit_code == 0, result.stderr
-    [line] = [line for line in result.stdout.splitlines() if line.startswith("the hull of ")]
+    [line] = [line for line in done(*words).splitlines() if line.startswith("the hull of ")]
     assert " fails at " in line

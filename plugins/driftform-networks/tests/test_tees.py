@@ -121,7 +121,6 @@ def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path):
     onward[0.5][:, BRANCH, BOTTOM], onward[0.5][:, RUN, RIGHT] = 0.5, 0.25
     traveling._read_tee = lambda task: TeeFlights(onward[task.tee.share], 0.0)  # type: ignore[assignment]
     found = traveling._fly_on(cross, [(2, [(first, 1.0)]), (0, [(second, 1.0)])])
-    assert found is not None
     assert found[0].sum(axis=1) == pytest.approx([0.5 * 0.5, 0.5 * 0.25, 0.4])
     left = MIRROR[RIGHT]
     assert (found[0, 2, left], found[0, 0, BOTTOM], found[0, 1, RIGHT]) == pytest.approx((0.4, 0.25, 0.125))

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 
-def test_the_command_serves_the_page_and_prints_its_address(call, monkeypatch):
+def test_the_command_serves_the_page_and_prints_its_address(done, monkeypatch):
     served = []
 
     def serve(folder, port, announce, browser):
@@ -11,7 +11,6 @@ def test_the_command_serves_the_page_and_prints_its_address(call, monkeypatch):
         announce("http://127.0.0.1:1/token/")
 
     monkeypatch.setattr("driftform_studio.server.serve", serve)
-    result = call("studio", "mine", "--port", "8123", "--no-browser")
-    assert result.exit_code == 0, result.output
+    told = done("studio", "mine", "--port", "8123", "--no-browser")
     assert served == [(Path("mine"), 8123, False)]
-    assert result.stdout.splitlines()[0] == "driftform studio: http://127.0.0.1:1/token/"
+    assert told.splitlines()[0] == "driftform studio: http://127.0.0.1:1/token/"

@@ -1,7 +1,6 @@
 """The current of a pipe as a file: read back as a grid, and interpolated as Gazebo does, it is the flow that was sampled."""
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
@@ -129,24 +128,20 @@ def test_open_water_has_nothing_to_sample():
         sample_current(Scenario())
 
 
-def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(call):
-    result = call("export-flow", "paper", "--spacing", "0.25", "--out", "c.csv", "--json")
-    assert result.exit_code == 0, result.stderr
-    told = json.loads(result.stdout)
+def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(done):
+    told = done("export-flow", "paper", "--spacing", "0.25", "--out", "c.csv", "--json")
     assert told["file"] == "c.csv" and told["speed"] == 1.0 and told["warnings"] == []
     lines = Path("c.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "timestamp,x,y,z,u,v,w"
     assert len(lines) == told["nodes"] + 1
-    checked = call("scenarios", "check", "paper", "--set", "flow={kind='grid',file='c.csv',speed=1.0}")
-    assert checked.exit_code == 0, checked.stderr
+    done("scenarios", "check", "paper", "--set", "flow={kind='grid',file='c.csv',speed=1.0}")
 
 
-def test_gusts_that_are_left_out_are_told_of(call):
+def test_gusts_that_are_left_out_are_told_of(done):
     flow = "flow={kind='turbulent',speed=1.0}"
-    result = call("export-flow", "paper", "--spacing", "0.4", "--set", flow, "--out", "c.csv")
-    assert result.exit_code == 0, result.stderr
-    assert "warning: gusts are left out" in result.stdout
-    assert 'flow.kind = "grid", flow.file = "c.csv", flow.reference = 1' in result.stdout
+    told = done("export-flow", "paper", "--spacing", "0.4", "--set", flow, "--out", "c.csv")
+    assert "warning: gusts are left out" in told
+    assert 'flow.kind = "grid", flow.file = "c.csv", flow.reference = 1' in told
 
 
 @pytest.mark.parametrize(
