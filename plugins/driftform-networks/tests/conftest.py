@@ -5,15 +5,11 @@ import re
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from runpy import run_path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from shared import shared_folder
-
-# How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
-publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
 
 FORK = Path(__file__).with_name("fork.inp").read_text()
 """A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""

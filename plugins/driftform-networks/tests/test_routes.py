@@ -7,7 +7,6 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from runpy import run_path
 from time import process_time
 
 import numpy as np
@@ -164,7 +163,7 @@ def test_the_ballast_of_a_tuned_agent_trims_it_and_stays_in_its_seat():
         trim_design(design, -9.0)
 
 
-FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
+FORK = Path(__file__).with_name("fork.inp").read_text()
 LACKING = FORK.replace("300 100 0 Open\n on", "300 100 0 Closed\n on")
 UNKNOWN_LINK = FORK.replace("main source", "trunk source")
 TRACERS = ("tracers", "--release", "source")

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from runpy import run_path
 
 import numpy as np
 import pytest
@@ -34,7 +33,7 @@ from driftform_networks.passages.passage import count_passings
 from driftform_networks.passages.routing import JOINT, TEE
 from driftform_networks.planning.following import route
 
-FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
+FORK = Path(__file__).with_name("fork.inp").read_text()
 
 CALM = ("flow.kind=log_law",)
 """Without gusts."""

@@ -1,16 +1,9 @@
-"""Bodies as the default study makes them, and how tables get into docs/validation.md."""
-
-from pathlib import Path
-from runpy import run_path
+"""Bodies as the default study makes them."""
 
 import numpy as np
 import pytest
 
 from driftform.study import load_study
-
-# Fixtures of driftform's tests: with the import mode "importlib" a conftest is not importable from another folder.
-_TESTS = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))
-publish, published = _TESTS["publish"], _TESTS["published"]
 
 
 @pytest.fixture(scope="session")
