@@ -23,10 +23,6 @@ def pipe(kind, reynolds, length=5000.0, **flow):
     return Scenario.model_validate({"pipe": {"segments": [segment]}, "flow": table, "fluid": OIL})
 
 
-def on_axis(scenario):
-    return water_velocity([1.0, 0.0, 0.0], 0.0, scenario)[0, 0] / scenario.flow.speed
-
-
 def test_developed_flow_is_a_parabola_below_2300_and_logarithmic_above():
     for reynolds in (10, 1000, 2299):
         calm = pipe("developed", reynolds)

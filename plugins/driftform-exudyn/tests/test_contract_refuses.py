@@ -13,8 +13,8 @@ from driftform.util.rotations import matrix_from_quaternion
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 
-def fly(agent, scenario):
-    return ExudynSimulator(ExudynOptions()).simulate(agent, scenario)
+def fly(agent, scenario, **options):
+    return ExudynSimulator(ExudynOptions(**options)).simulate(agent, scenario)
 
 
 def with_coefficients(**values):
@@ -29,10 +29,6 @@ def with_table(name, **values):
         return fly(agent, scenario.model_copy(update={name: table}))
 
     return flight
-
-
-def with_buoyancy_at_the_origin(agent, scenario):
-    return fly(replace(agent, mass=replace(agent.mass, cob=np.zeros(3))), scenario)
 
 
 def with_quaternions_the_other_way(agent, scenario):
@@ -57,10 +53,6 @@ def overshooting_the_outlet(agent, scenario):
     return replace(flight, position=np.vstack([flight.position[:-1], beyond]))
 
 
-def with_a_coarse_integrator(agent, scenario):
-    return ExudynSimulator(ExudynOptions(integrator="RK44", max_step=0.02)).simulate(agent, scenario)
-
-
 class NeverChecking(ExudynSimulator):
     def screen_batch(self, agents, scenarios, matters):
         return super().screen_batch(agents, scenarios, lambda index, flight: matters(index, flight) and False)
@@ -83,12 +75,12 @@ FAULTS = [
     (with_coefficients(added_mass=np.zeros((6, 6))), MOTION, "fall"),
     (with_coefficients(origin=np.zeros(3)), MOTION, "tumbling"),
     (with_coefficients(quadratic_damping=np.zeros((6, 6))), MOTION, "fall with drag"),
-    (with_buoyancy_at_the_origin, MOTION, "tumbling with weight"),
+    (lambda a, there: fly(replace(a, mass=replace(a.mass, cob=np.zeros(3))), there), MOTION, "tumbling with weight"),
     (with_table("pipe", segments=()), MOTION, "against an elastic wall"),
     (with_table("contact", restitution=1.0), MOTION, "obliquely against a wall"),
     (with_table("contact", frequency=60.0), MOTION, "at rest against a wall"),
     (with_table("release", velocity="rest"), MOTION, "tumbling with damping"),
-    (with_a_coarse_integrator, MOTION, "libration"),
+    (lambda *given: fly(*given, integrator="RK44", max_step=0.02), MOTION, "libration"),
 ]
 
 

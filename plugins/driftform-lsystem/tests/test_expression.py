@@ -92,26 +92,6 @@ def test_figure_2_of_the_paper_is_three_modules_behind_the_core():
     )
 
 
-def test_two_iterations_build_what_the_rules_say():
-    # The word is, with what has no effect in brackets: C, three of "addF tiltp 0 S moveF", then three of
-    # "addF tiltp 0 [addB tiltn 1] M moveB, addB tiltn 1 M moveB, addB tiltn 1 M moveB [moveF]".
-    genotype = ["addF", "tiltp", "0", "S", "moveF"] * 3 + ["addB", "tiltn", "1", "M", "moveB"] * 3
-    genotype += ["addF", "tiltp", "2", "L", "moveN"] * 6
-    morphology = LSystemGrammar(LSystemOptions(iterations=2)).express(Genome("lsystem", tuple(genotype)))
-    # In what follows the reference is in brackets, s is S at 0, m is M at 0, n is M at -10 degrees.
-    # The core's rule:                C s s [s]
-    # M fore of the last s, back:     C s [s] s m    for the move goes from s, the reference, to the s before
-    # M aft of it, back:              C s [n] s s m
-    # M aft of it, back:              C s [n] n s s m
-    # M fore of it, back:             C [s] n m n s s m
-    # M aft of it, back:              C [n] s n m n s s m
-    # M aft of it, back:              C [n] n s n m n s s m
-    # M fore of it, back:             [C] n m n s n m n s s m
-    # M aft of it, back:              [n] C ...
-    # M aft of it, back:              [n] n C ...
-    assert describe(morphology) == "M-10 M0 M-10 S0 M-10 M0 M-10 S0 S0 M0 | M-10 M-10"
-
-
 @pytest.mark.parametrize(("iterations", "modules"), [(1, 3), (2, 12), (3, 39)])
 @given(seed=SEEDS)
 def test_n_modules_become_3n_plus_3_with_each_iteration(iterations, modules, seed):

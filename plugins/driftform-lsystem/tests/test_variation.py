@@ -24,11 +24,7 @@ CLASSES = [{"addF", "addB"}, {"tiltp", "tiltn"}, {"0", "1", "2"}, {"S", "M", "L"
 GRAMMAR = LSystemGrammar(LSystemOptions())
 
 
-def word_of(quintuples):
-    return Genome("lsystem", ("C", *(symbol for quintuple in quintuples for symbol in quintuple)))
-
-
-WORDS = st.lists(QUINTUPLES, max_size=8).map(word_of)
+WORDS = st.lists(QUINTUPLES, max_size=8).map(lambda steps: Genome("lsystem", sum(steps, ("C",))))
 
 
 def rng_of(seed):

@@ -71,13 +71,6 @@ def flight():
     return drifting_trajectory()
 
 
-@pytest.fixture(scope="module")
-def mcap(job, flight, tmp_path_factory):
-    path = tmp_path_factory.mktemp("mcap") / "agent.mcap"
-    McapRecorder(Ros2Options(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
-    return path
-
-
 def messages(path):
     """Times and decoded messages of each topic of an MCAP file."""
     found = {}
@@ -89,8 +82,10 @@ def messages(path):
 
 
 @pytest.fixture(scope="module")
-def read(mcap):
-    return messages(mcap)
+def read(job, flight, tmp_path_factory):
+    path = tmp_path_factory.mktemp("mcap") / "agent.mcap"
+    McapRecorder(Ros2Options(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
+    return messages(path)
 
 
 def times(flight, start=1.0):
