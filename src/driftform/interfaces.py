@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from driftform.errors import InputError, WorkFailedError
+from driftform.errors import InputError, WorkFailedError, did_you_mean
 from driftform.types import (
     Agent,
     Body,
@@ -62,20 +62,29 @@ class Grammar(Plugin[OptionsT_co]):
     """Genome -> morphology, and the operators that create and vary genomes.
 
     A genome is a flat tuple of symbols. Only the grammar knows its structure. :meth:`express` must accept every genome
-    that :meth:`random`, :meth:`flip` and :meth:`crossover` return, and ``parse(to_text(g)) == g`` must hold.
+    that :meth:`random`, :meth:`flip` and :meth:`crossover` return, and ``parse(to_text(g)) == g`` must hold. A grammar of
+    genomes of one length needs :meth:`list_genes` and :meth:`express` alone: the other methods follow from the genes.
     """
 
-    @abstractmethod
     def random(self, rng: np.random.Generator) -> Genome:
         """Return a genome drawn uniformly from all genomes of this grammar."""
+        return self.make_genome(rng.random(len(self.list_genes())))
 
-    @abstractmethod
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome with the symbol at ``index`` replaced by another symbol that is valid there."""
+        symbols = list(genome.symbols)
+        others = [text for text in self.list_genes()[index] if isinstance(text, str) and text != symbols[index]]
+        symbols[index] = others[rng.integers(len(others))] if others else self.random(rng).symbols[index]
+        return Genome(self.name, tuple(symbols))
 
-    @abstractmethod
     def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
-        """Return two offspring of the parents ``a`` and ``b``."""
+        """Return two offspring of the parents ``a`` and ``b``: by default each symbol is that of either."""
+        swapped = rng.random(len(a.symbols)) < 0.5
+        pairs = zip(a.symbols, b.symbols, strict=True)
+        one, other = zip(
+            *((y, x) if swap else (x, y) for swap, (x, y) in zip(swapped, pairs, strict=True)), strict=True
+        )
+        return Genome(self.name, one), Genome(self.name, other)
 
     @abstractmethod
     def express(self, genome: Genome) -> Morphology:
@@ -84,16 +93,44 @@ class Grammar(Plugin[OptionsT_co]):
         Raises ValueError if the genome does not belong to this grammar; the message names the symbol and its position.
         """
 
-    @abstractmethod
     def to_text(self, genome: Genome) -> str:
-        """Return the genome as one line of readable text."""
+        """Return the genome as one line of readable text: by default its symbols with commas between them."""
+        return ",".join(genome.symbols)
 
-    @abstractmethod
     def parse(self, text: str) -> Genome:
         """Return the genome that :meth:`to_text` wrote.
 
         Raises InputError if the text is not a genome of this grammar; the message names the symbol and its position.
         """
+        try:
+            values = self.read_symbols(Genome(self.name, tuple(map(str.strip, text.split(",")))))
+        except ValueError as error:
+            raise InputError(str(error)) from None
+        return Genome(self.name, tuple(one if isinstance(one, str) else f"{one:.6g}" for one in values))
+
+    def read_symbols(self, genome: Genome) -> list[Any]:
+        """Return the value of each symbol, a number or a text, for :meth:`express`.
+
+        Raises ValueError if the genome is one of another grammar, or a symbol is not one of its gene.
+        """
+        genes, values = self.list_genes(), list[Any]()
+        if genome.grammar != self.name or len(genome.symbols) != len(genes):
+            found = f"{len(genome.symbols)} of grammar {genome.grammar!r}"
+            raise ValueError(f"the number of symbols is {found}, expected {len(genes)} of {self.name!r}")
+        for place, (symbol, gene) in enumerate(zip(genome.symbols, genes, strict=True), start=1):
+            if isinstance(gene[0], str):
+                if symbol not in gene:
+                    raise ValueError(f"symbol {place} is {symbol!r}{did_you_mean(symbol, map(str, gene))}")
+                values.append(symbol)
+                continue
+            try:
+                values.append(float(symbol))
+            except ValueError:
+                values.append(np.nan)
+            # Bounds are rounded as symbols are.
+            if not float(f"{gene[0]:.6g}") <= values[-1] <= float(f"{gene[1]:.6g}"):
+                raise ValueError(f"symbol {place} is {symbol!r}, expected {gene[0]:g} to {gene[1]:g}")
+        return values
 
     def plain(self) -> Genome | None:
         """Return the genome without modules, of which a builder may make a plain body; ``None``, the default, without one."""

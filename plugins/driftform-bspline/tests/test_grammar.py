@@ -37,5 +37,5 @@ def test_a_body_is_as_long_as_its_two_sides_and_as_wide_as_its_control_points_al
 
 
 def test_a_number_out_of_its_bounds_is_named():
-    with pytest.raises(InputError, match=r"number 2 is '0\.5', expected -0\.012 to 0\.012 m"):
+    with pytest.raises(InputError, match=r"symbol 2 is '0\.5', expected -0\.012 to 0\.012"):
         GRAMMAR.parse("0.05,0.5" + ",0" * 8)

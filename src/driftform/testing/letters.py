@@ -1,8 +1,9 @@
 """A grammar of three letters: the contract of strategies searches it, and it is an example of a small grammar."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Grammar
 from driftform.types import Genome, Module, Morphology
 from driftform.util.options import Table
@@ -19,16 +20,13 @@ class LetterGrammar(Grammar[Table]):
 
     name = "letters"
 
+    def list_genes(self) -> Sequence[tuple[str, ...]]:
+        """Return the three letters for each place."""
+        return [tuple(TILTS)] * LENGTH
+
     def random(self, rng: np.random.Generator) -> Genome:
         """Return twelve letters, each drawn from the three."""
         return self._genome("".join(rng.choice(list(TILTS), size=LENGTH)))
-
-    def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
-        """Return the genome with another letter at ``index``."""
-        others = [letter for letter in TILTS if letter != genome.symbols[index]]
-        letters = list(genome.symbols)
-        letters[index] = others[rng.integers(len(others))]
-        return self._genome("".join(letters))
 
     def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
         """Return the parents with their tails exchanged."""
@@ -38,9 +36,7 @@ class LetterGrammar(Grammar[Table]):
 
     def express(self, genome: Genome) -> Morphology:
         """Return one module for each letter. Raises ValueError if the genome does not belong to this grammar."""
-        if genome.grammar != self.name or (fault := _fault("".join(genome.symbols))):
-            raise ValueError(fault if genome.grammar == self.name else f"a genome of {genome.grammar!r}")
-        modules = tuple(Module(0.005, TILTS[letter]) for letter in genome.symbols)
+        modules = tuple(Module(0.005, TILTS[letter]) for letter in self.read_symbols(genome))
         return Morphology(fore=modules[: LENGTH // 2], aft=modules[LENGTH // 2 :])
 
     def to_text(self, genome: Genome) -> str:
@@ -49,16 +45,7 @@ class LetterGrammar(Grammar[Table]):
 
     def parse(self, text: str) -> Genome:
         """Read twelve letters. Raises InputError if the text has other letters, or not twelve."""
-        if fault := _fault(text):
-            raise InputError(fault)
-        return self._genome(text)
+        return super().parse(",".join(text))
 
     def _genome(self, letters: str) -> Genome:
         return Genome(self.name, tuple(letters))
-
-
-def _fault(text: str) -> str | None:
-    for place, letter in enumerate(text, start=1):
-        if letter not in TILTS:
-            return f"symbol {place} is {letter!r}{did_you_mean(letter, TILTS)}"
-    return None if len(text) == LENGTH else f"the number of symbols is {len(text)}, expected {LENGTH}"

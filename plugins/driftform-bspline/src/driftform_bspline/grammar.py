@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.errors import InputError
 from driftform.interfaces import Grammar, Table, option
 from driftform.types import FloatArray, Genome, Module, Morphology
 
@@ -38,63 +37,17 @@ class BSplineGrammar(Grammar[BSplineOptions]):
         o = self.options
         return ((o.length / 10, o.length), *[(-o.swing, o.swing)] * o.points) * 2
 
-    def random(self, rng: np.random.Generator) -> Genome:
-        """Return numbers drawn uniformly between their bounds."""
-        return self.make_genome(rng.random(2 + 2 * self.options.points))
-
-    def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
-        """Return the genome with another number at ``index``, drawn uniformly."""
-        symbols = list(genome.symbols)
-        symbols[index] = self.random(rng).symbols[index]
-        return Genome(self.name, tuple(symbols))
-
-    def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
-        """Return two offspring, each number of which is from either parent."""
-        swapped = rng.random(len(a.symbols)) < 0.5
-        pairs = ((b.symbols, a.symbols), (a.symbols, b.symbols))
-        one, other = (Genome(self.name, tuple(np.where(swapped, *pair).tolist())) for pair in pairs)
-        return one, other
-
     def express(self, genome: Genome) -> Morphology:
         """Return the modules that follow the splines.
 
         Raises ValueError if the genome is one of another grammar, or a number is not one or not between its bounds.
         """
-        if genome.grammar != self.name:
-            raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
-        numbers, count, sides = self._read(genome.symbols), self.options.modules, []
+        numbers, count, sides = self.read_symbols(genome), self.options.modules, []
         for length, *points in (numbers[: len(numbers) // 2], numbers[len(numbers) // 2 :]):
             radii, step = (compute_basis(len(points), count) @ points).tolist(), length / count
             sides.append(tuple(Module(math.hypot(step, b - a), math.atan2(b - a, step)) for a, b in pairwise(radii)))
         fore, aft = sides
         return Morphology(fore, aft)
-
-    def to_text(self, genome: Genome) -> str:
-        """Return the numbers with commas between them."""
-        return ",".join(genome.symbols)
-
-    def parse(self, text: str) -> Genome:
-        """Read numbers with commas between them. Raises InputError if one is not a number between its bounds."""
-        try:
-            return Genome(self.name, tuple(f"{number:.6g}" for number in self._read(text.split(","))))
-        except ValueError as error:
-            raise InputError(str(error)) from None
-
-    def _read(self, symbols: Sequence[str]) -> list[float]:
-        genes, numbers = self.list_genes(), list[float]()
-        if len(symbols) != len(genes):
-            raise ValueError(
-                f"the genome has {len(symbols)} numbers, expected {len(genes)}: lengths and control points"
-            )
-        for place, (symbol, (low, high)) in enumerate(zip(symbols, genes, strict=True), start=1):
-            try:
-                numbers.append(float(symbol))
-            except ValueError:
-                numbers.append(math.nan)
-            # As they are written: with six digits.
-            if not float(f"{low:.6g}") <= numbers[-1] <= float(f"{high:.6g}"):
-                raise ValueError(f"number {place} is {symbol!r}, expected {low:g} to {high:g} m")
-        return numbers
 
 
 @lru_cache(maxsize=16)
