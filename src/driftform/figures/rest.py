@@ -1,7 +1,6 @@
 """Rest position of a body in the water of a scenario, in words."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,43 +14,27 @@ _STRAIGHT = np.deg2rad(3.0)
 """rad: an attitude within this of upright or level is called so."""
 
 
-@dataclass(frozen=True)
-class WaterRest:
-    """A body at rest, far from any wall.
+def describe_rest(agent: Agent, scenario: Scenario) -> str:
+    """Return the agent's rest position in the scenario's water, far from any wall, in words; nothing without gravity.
 
-    Attributes:
-        text: description of the rest position.
-        pitch: of the axis, rad, positive nose down.
-        height: of the body's origin above the surface, m; ``None`` if it does not float.
-    """
-
-    text: str
-    pitch: float
-    height: float | None
-
-
-def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
-    """Return the agent's rest position in the scenario's water; ``None`` without gravity.
-
-    If the scenario has no free surface, a body that rises is shown as it would float at one.
+    If the scenario has no free surface, a body that rises is described as it would float at one.
     """
     from driftform.motion.forces.model import flight_model
     from driftform.motion.path.stability import stable_rest
 
     fluid, mass = scenario.fluid, agent.mass
     if not fluid.gravity:
-        return None
+        return ""
     open_water = scenario.model_copy(update={"fluid": fluid.model_copy(update={"water_level": 0.0})})
     rest = stable_rest(flight_model(agent, open_water))
     attitude = _describe_attitude(rest.pitch)
     if rest.height is None:
         lever = abs(float(mass.cob[0] - mass.cog[0]))
         attitude = attitude if lever > _NO_LEVER else "in any attitude"
-        return WaterRest(f"Sinks and hangs {attitude}.", rest.pitch, None)
+        return f"Sinks and hangs {attitude}."
     share = mass.mass / (fluid.density * mass.volume)
     floats = "Floats" if fluid.water_level is not None else "Rises; at a surface it would float"
-    text = f"{floats} {attitude}, {100 * share:.0f} % under water."
-    return WaterRest(text, rest.pitch, rest.height)
+    return f"{floats} {attitude}, {100 * share:.0f} % under water."
 
 
 def _describe_attitude(pitch: float) -> str:

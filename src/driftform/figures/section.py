@@ -12,7 +12,7 @@ from driftform.agent.distance import distance_from, radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, text_width, write, write_title
-from driftform.figures.rest import find_rest
+from driftform.figures.rest import describe_rest
 from driftform.figures.style import MUTED, PX_PER_MM, SCREEN, Page, tint
 from driftform.types import Agent, Body, FloatArray
 from driftform.water import Scenario
@@ -60,8 +60,8 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
         px_per_m = min(room / body.length, room / body.max_diameter)
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
     facts, block = _describe_agent(agent), title_block(agent, scenario)
-    rest = None if scenario is None else find_rest(agent, scenario)
-    legend = 0.0 if rest is None else text_width(rest.text, 11) + _SCALE
+    rest = "" if scenario is None else describe_rest(agent, scenario)
+    legend = text_width(rest, 11) + _SCALE if rest else 0.0
     least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * MARGIN
     width = max(length + _LEFT + _RIGHT, least)
     if length < _NARROW:
@@ -101,8 +101,8 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     if page.is_paper:
         return svg.render(root)
     write(root, bar - 16, base, f"Scale {written}", 11, MUTED, anchor="end", class_="scale")
-    if rest is not None:
-        write(root, MARGIN, base, rest.text, 11, MUTED, class_="rest")
+    if rest:
+        write(root, MARGIN, base, rest, 11, MUTED, class_="rest")
     spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
     widths = [_cell_width(name, value) + spare for name, value in block]
     cells = [(*cell, x) for cell, x in zip(block, accumulate(widths[:-1], initial=MARGIN), strict=True)]

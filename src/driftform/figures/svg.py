@@ -7,7 +7,7 @@ pictures. Nothing uses a transform either; every number is in px of the ``viewBo
 import re
 from functools import lru_cache
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -15,9 +15,6 @@ import numpy.typing as npt
 
 from driftform.figures import style
 from driftform.figures.style import PX_PER_MM, SCREEN, Page
-
-if TYPE_CHECKING:
-    import jinja2
 
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 """Fonts of pictures on a screen: those of the reader's system."""
@@ -164,11 +161,11 @@ def fill_template(package: str, file: str, **values: Any) -> str:
     Numbers become those of :func:`format_number`, and texts are escaped, but for those of ``.txt``. Templates know the colours of
     :mod:`driftform.figures.style` by name, ``tint``, and :func:`path_data` as ``path``.
     """
-    return _open_templates(package).get_template(file).render(values)
+    return str(_open_templates(package).get_template(file).render(values))
 
 
 @lru_cache
-def _open_templates(package: str) -> "jinja2.Environment":
+def _open_templates(package: str) -> Any:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     def finalize(value: Any) -> Any:

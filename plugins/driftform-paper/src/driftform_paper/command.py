@@ -31,15 +31,22 @@ def reproduce(
     """
     import time
 
+    from driftform import load_study
     from driftform.cli import formats, output, search_repeats
     from driftform.util import files
-    from driftform_paper.repeats import STRATEGIES, load_repeat, read_results
+    from driftform_paper.repeats import STRATEGIES, read_results
     from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
 
     page = formats.parse_page(style, width_mm)
     started = time.perf_counter()
     seeds = range(seed, seed + repeats)
-    studies = {(s, n): load_repeat(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
+    studies = {
+        (s, n): load_study(
+            "paper", settings or (), use={"strategy": s, "simulator": simulator}, run={"seed": n, "evaluations": None}
+        )
+        for s in STRATEGIES
+        for n in seeds
+    }
     first = next(iter(studies.values()))
     files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform import Pipeline, Run, Study, load_study
+from driftform import Pipeline, Run
 from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario
 
@@ -37,13 +37,6 @@ class Search:
     def error(self) -> FloatArray:
         """Error (%) at the end of each target's budget, (repeats, targets)."""
         return np.asarray(100 - self.fitness.max(axis=2))
-
-
-def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
-    """Return the study of one repeat."""
-    return load_study(
-        "paper", settings, use={"strategy": strategy, "simulator": simulator}, run={"seed": seed, "evaluations": None}
-    )
 
 
 def read_results(runs: Sequence[tuple[int, Path]]) -> Search:

@@ -1,15 +1,10 @@
 """Search strategies: evolution of tuned bodies and of single symbols, plain bodies, and random search."""
 
-from typing import TYPE_CHECKING, Any
-
 from driftform import hookimpl
-
-if TYPE_CHECKING:
-    from driftform.interfaces import Strategy
 
 
 @hookimpl
-def driftform_strategy() -> "list[type[Strategy[Any]]]":
+def driftform_strategy() -> list[type]:
     """Return evolution by single symbols, random search, and the searches of tuned bodies."""
     from driftform_strategies.evolution import EvolutionStrategy
     from driftform_strategies.random import RandomStrategy
