@@ -152,7 +152,7 @@ def names_in_view(page):
 
 
 def test_targets_are_named_and_the_view_follows_the_agent(page, run_with_page):
-    scenario = collect_contents(StoredRun.open(run_with_page)).scenario
+    scenario = StoredRun.open(run_with_page).study.scenario
     page.find_elements("css selector", "[data-agent]")[0].click()
 
     def scrub(value):
@@ -205,7 +205,7 @@ def test_a_magnified_agent_does_not_pierce_the_wall(page, run_with_page):
 def test_the_current_drifts_as_fast_as_the_profile_says(page, run_with_page):
     contents = collect_contents(StoredRun.open(run_with_page))
     flow = PowerLawFlow(speed=1.5, exponent=7)
-    scenario = contents.scenario.model_copy(update={"flow": flow})
+    scenario = contents.study.scenario.model_copy(update={"flow": flow})
     faster = replace(contents, study=replace(contents.study, scenario=scenario))
     [segment] = viewer_data(faster)["pipe"]
     r = np.linspace(0, 1, len(segment["speeds"]))[:-1]
@@ -246,7 +246,7 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
         straight = np.column_stack([np.interp(entry.trajectory.t, t, p) for p in position.T])
         # Between 240 moments a flight at 1 m/s goes 4 cm: drawn straight, it cuts a corner at a wall by a quarter.
         assert np.abs(straight - entry.trajectory.position).max() < 0.02
-        assert np.linalg.norm(position[t == agent["closest"]] - contents.scenario.targets[entry.target]) == (
+        assert np.linalg.norm(position[t == agent["closest"]] - contents.study.scenario.targets[entry.target]) == (
             pytest.approx(entry.distance, abs=2e-4)
         )
 

@@ -6,20 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.runs.table_files import FORMATS, SAMPLE_COLUMNS, Batch, Column, check_format
+from driftform.runs.table_files import FORMATS, SAMPLE_COLUMNS, Batch, check_format, read_columns
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.options import Table
 
-WRENCH_COLUMNS = (
-    *(Column(f"force_{axis}", "float", "N", "net force on the body, body frame") for axis in "xyz"),
-    *(
-        Column(f"torque_{axis}", "float", "N m", "net torque on the body about the centre of gravity, body frame")
-        for axis in "xyz"
-    ),
-)
-
-COLUMNS = (*(replace(column, kind="float") for column in SAMPLE_COLUMNS[1:]), *WRENCH_COLUMNS)
+COLUMNS = (*(replace(column, kind="float") for column in SAMPLE_COLUMNS[1:]), *read_columns("wrench"))
 """The columns of a stored flight in full precision, and the net force and torque on the body."""
 
 

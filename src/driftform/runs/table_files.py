@@ -31,24 +31,25 @@ class Column:
     meaning: str
 
 
-def _read_columns(table: str) -> tuple[Column, ...]:
+def read_columns(table: str) -> tuple[Column, ...]:
+    """Return the columns of a table by its name in ``columns.csv``."""
     with Path(__file__).with_name("columns.csv").open(encoding="utf-8", newline="") as file:
         return tuple(Column(*row[1:]) for row in csv.reader(file) if row[0] == table)  # type: ignore[arg-type]
 
 
-_OUTCOME = _read_columns("outcome")
+_OUTCOME = read_columns("outcome")
 
-BODY_COLUMNS = _read_columns("body")
+BODY_COLUMNS = read_columns("body")
 """The columns of the body of a genome."""
 
-SAMPLE_COLUMNS = _read_columns("sample")
+SAMPLE_COLUMNS = read_columns("sample")
 """The columns of the samples of trajectories, in single precision as stored."""
 
 FLIGHT_COLUMNS = tuple(column.name for column in SAMPLE_COLUMNS[1:])
 """The columns of a Trajectory: time, position, quaternion and velocity."""
 
 
-MEASURE_COLUMNS = _read_columns("measure")
+MEASURE_COLUMNS = read_columns("measure")
 """The columns of what is measured of each evaluation, beside those of its body."""
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from driftform import __version__
 from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import Grammar, Measure, PhenotypeBuilder
+from driftform.interfaces import Grammar, PhenotypeBuilder
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.runs.table_files import (
@@ -90,7 +90,9 @@ def check_output(format: str, folder: Path | None = None) -> None:
 def _write(part: Path, study: Study, store: Store, format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and the meaning of their columns into a directory; return how many rows each has."""
     targets = study.scenario.target_names
-    tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets, _list_measures(study))}
+    tables: dict[str, Sequence[Column]] = {
+        "evaluations": evaluation_columns(targets, study.make_plugin("fitness").measures)
+    }
     write, rows = FORMATS[format], {}
     # What is stored from now on has no row in any table.
     stored = {brief.index for brief in store.read_summaries(())}
@@ -113,20 +115,15 @@ def _read_in_chunks(store: Store, targets: tuple[str, ...], indices: Collection[
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
     """Evaluations in batches of at most :data:`MAX_ROWS`; bodies are built anew from their genomes."""
-    columns = evaluation_columns(study.scenario.target_names, _list_measures(study))
+    columns = evaluation_columns(study.scenario.target_names, study.make_plugin("fitness").measures)
     describe = _describer(study)
     left = iter(records)
     while rows := [describe(record) for record in islice(left, MAX_ROWS)]:
         yield {column.name: [row[i] for row in rows] for i, column in enumerate(columns)}
 
 
-def _list_measures(study: Study) -> Mapping[str, Measure]:
-    found: Mapping[str, Measure] = study.make_plugin("fitness").measures
-    return found
-
-
 def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
-    own, usual = list(_list_measures(study)), [column.name for column in MEASURE_COLUMNS]
+    own, usual = list(study.make_plugin("fitness").measures), [column.name for column in MEASURE_COLUMNS]
     grammar, builder, fluid = study.make_plugin("grammar"), study.make_plugin("builder"), study.scenario.fluid
 
     def describe(record: Record) -> tuple[Any, ...]:

@@ -20,12 +20,6 @@ from driftform.search.journal import Journal
 from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation, FloatArray
-from driftform.water.scenario import Robustness
-
-
-def count_survey(robustness: Robustness) -> int:
-    """Return the number of disturbed flights of an agent that matters to the search."""
-    return min(robustness.survey, robustness.conditions)
 
 
 class Survey:
@@ -38,7 +32,7 @@ class Survey:
 
     def __init__(self, study: Study, journal: Journal, executor: Executor) -> None:
         robustness, targets = study.scenario.robustness, study.scenario.target_names
-        count = count_survey(robustness)
+        count = min(robustness.survey, robustness.conditions)
         self._study, self._journal, self._executor = study, journal, executor
         self._threshold = (inf,) * len(targets)
         self._conditions = draw_rounds(study) if count else ()
@@ -105,7 +99,8 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
 
     With a survey it has only those that were flown under all its conditions, if there are any.
     """
-    targets, count = study.scenario.target_names, count_survey(study.scenario.robustness)
+    targets, robustness = study.scenario.target_names, study.scenario.robustness
+    count = min(robustness.survey, robustness.conditions)
     undisturbed = {
         brief.index: np.array(brief.fitness) for brief in store.read_summaries(targets) if brief.failure is None
     }

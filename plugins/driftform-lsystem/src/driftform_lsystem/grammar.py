@@ -49,19 +49,8 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """
         self._check(genome)
         symbols = list(genome.symbols)
-        _flip(symbols, index, rng)
-        return self._genome(symbols)
-
-    def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
-        """Return the genome with each symbol flipped with probability ``rate``.
-
-        Raises ValueError if the genome is not one of this grammar.
-        """
-        # As in the base class, but checked once and not for every flip: mutation is most of the cost of a strategy.
-        self._check(genome)
-        symbols = list(genome.symbols)
-        for index in np.flatnonzero(rng.random(len(symbols)) < rate).tolist():
-            _flip(symbols, index, rng)
+        if (others := OTHERS.get(symbols[index])) is not None:
+            symbols[index] = others[rng.integers(len(others))]
         return self._genome(symbols)
 
     def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
@@ -122,10 +111,3 @@ class LSystemGrammar(Grammar[LSystemOptions]):
             raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
         if fault := lines.find_fault(genome.symbols):
             raise ValueError(fault)
-
-
-def _flip(symbols: list[str], index: int, rng: np.random.Generator) -> None:
-    """Change one symbol to another of its class, in place; the core's letter has no other."""
-    others = OTHERS.get(symbols[index])
-    if others is not None:
-        symbols[index] = others[rng.integers(len(others))]

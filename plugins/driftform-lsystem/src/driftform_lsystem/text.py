@@ -42,14 +42,6 @@ def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
     return None
 
 
-def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
-    """Return the first fault in one rule of a genotype, or ``None``."""
-    fault = find_quintuple_fault(symbols)
-    if fault is None and len(symbols) != RULE_LENGTH:
-        fault = f"quintuples: {len(symbols) // len(QUINTUPLE)}, expected {QUINTUPLES_PER_RULE}"
-    return None if fault is None else f"rule {rule}: {fault}"
-
-
 # A search varies a few genomes again and again.
 @lru_cache(maxsize=256)
 def find_fault(symbols: tuple[str, ...]) -> str | None:
@@ -62,8 +54,8 @@ def find_fault(symbols: tuple[str, ...]) -> str | None:
             f"and a developed word starts with {CORE!r}"
         )
     for rule, start in zip(RULES, range(0, GENOTYPE_LENGTH, RULE_LENGTH), strict=True):
-        if found := find_rule_fault(rule, symbols[start : start + RULE_LENGTH]):
-            return found
+        if found := find_quintuple_fault(symbols[start : start + RULE_LENGTH]):
+            return f"rule {rule}: {found}"
     return None
 
 
@@ -107,8 +99,9 @@ def _read_genotype(text: str) -> tuple[str, ...]:
         raise InputError(f"the rules are for {', '.join(map(repr, letters))}; {_EXPECTED}")
     rules = {letter: _split(body) for letter, (_, _, body) in zip(letters, parts, strict=True)}
     for rule in RULES:
-        if fault := find_rule_fault(rule, rules[rule]):
-            raise InputError(fault)
+        fault, count = find_quintuple_fault(rules[rule]), len(rules[rule]) // len(QUINTUPLE)
+        if fault or count != QUINTUPLES_PER_RULE:
+            raise InputError(f"rule {rule}: {fault or f'quintuples: {count}, expected {QUINTUPLES_PER_RULE}'}")
     return tuple(symbol for rule in RULES for symbol in rules[rule])
 
 

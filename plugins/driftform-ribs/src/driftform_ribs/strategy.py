@@ -1,7 +1,7 @@
 """Quality diversity with an archive of pyribs, over heights at stations of the pipe or over any measures."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,6 @@ from pydantic import Field, field_validator
 from driftform.interfaces import GenerationStrategy, Result, SearchSpace, Table, option
 from driftform.search import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
-
-if TYPE_CHECKING:
-    from ribs.archives import ArchiveBase
-    from ribs.emitters import EvolutionStrategyEmitter
 
 Station = Annotated[float, Field(strict=True, gt=0, le=1)]
 """A position along the pipe, relative to its length."""
@@ -195,7 +191,7 @@ def find_side(options: RibsOptions, measures: int) -> int:
 
 def make_archive(
     options: RibsOptions, ranges: Sequence[tuple[float, float]], seed: int, genes: int = 0, **values: Any
-) -> "ArchiveBase":
+) -> Any:
     """Return an empty archive over measures with these ranges, of genomes, or of vectors of ``genes``."""
     # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
     from ribs.archives import CVTArchive, GridArchive
@@ -218,9 +214,7 @@ def make_archive(
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
 
 
-def make_emitters(
-    options: RibsOptions, archive: "ArchiveBase", genes: int, rng: np.random.Generator
-) -> "list[EvolutionStrategyEmitter]":
+def make_emitters(options: RibsOptions, archive: Any, genes: int, rng: np.random.Generator) -> list[Any]:
     """Return evolution strategies that look for what improves an archive, from the middle of the ranges of all genes."""
     from ribs.emitters import EvolutionStrategyEmitter
 

@@ -47,11 +47,6 @@ class Contents:
     problems: Sequence[str]
 
     @property
-    def scenario(self) -> Scenario:
-        """The scenario of the study."""
-        return self.study.scenario
-
-    @property
     def agents(self) -> list[list[BestFlight]]:
         """The entries in groups of those that have the same agent."""
         groups: dict[int, list[BestFlight]] = {}

@@ -61,9 +61,11 @@ def write_figures(run: StoredRun, folder: Path | None, page: style.Page) -> tupl
     drawn = {name.lower().replace(" ", "-"): picture for name, picture in contents.figures.items()}
     drawn |= {f"causes-{target}": picture for target, picture in contents.causes.items()}
     for [entry, *_] in contents.agents:
-        drawn[f"section-{entry.target}"] = section_svg(entry.agent, entry.target, contents.scenario, page)
+        drawn[f"section-{entry.target}"] = section_svg(entry.agent, entry.target, contents.study.scenario, page)
         body = entry.agent.body
-        drawn[f"flight-{entry.target}"] = flight_svg(entry.trajectory, contents.scenario, entry.target, body, page)
+        drawn[f"flight-{entry.target}"] = flight_svg(
+            entry.trajectory, contents.study.scenario, entry.target, body, page
+        )
     return tuple(
         path for name, picture in drawn.items() for path in write_picture(folder / f"{name}.svg", picture, page)
     )
@@ -88,7 +90,7 @@ def page_html(contents: Contents) -> str:
     groups = [("", headings)]
     if len(headings) > len(BODIES):
         groups = [("", headings[:1]), *((body, PROMISE) for body in BODIES)]
-    kinds = {e.target: name_kind(e.agent, e.trajectory, contents.scenario, e.t) for e in contents.entries}
+    kinds = {e.target: name_kind(e.agent, e.trajectory, contents.study.scenario, e.t) for e in contents.entries}
     return environment.from_string(_read("page.html")).render(
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
@@ -99,7 +101,7 @@ def page_html(contents: Contents) -> str:
         notes=[text for text in (describe_worth(fitness, results), describe_doubt(fitness, results)) if text],
         kinds=kinds,
         kinds_in_words=", ".join(f"{count} x {kind}" for kind, count in Counter(kinds.values()).most_common()),
-        legend=explain_columns(fitness, contents.scenario.robustness.checks),
+        legend=explain_columns(fitness, contents.study.scenario.robustness.checks),
         fitness=fitness,
         numbers={
             "flights": f"{contents.evaluations}",
@@ -118,15 +120,15 @@ def page_html(contents: Contents) -> str:
         plugins={seam: study[seam]["use"] for seam in SELECTED if seam in study},
         study=tomli_w.dumps(dict(study)),
         sections=[
-            section_svg(group[0].agent, ", ".join(entry.target for entry in group), contents.scenario)
+            section_svg(group[0].agent, ", ".join(entry.target for entry in group), contents.study.scenario)
             for group in contents.agents
         ],
         limits=[
-            *(("every target", line) for line in warn_of_regime(contents.scenario)),
+            *(("every target", line) for line in warn_of_regime(contents.study.scenario)),
             *(
                 (", ".join(entry.target for entry in group), line)
                 for group in contents.agents
-                for line in list_limits(group[0].agent, contents.scenario)
+                for line in list_limits(group[0].agent, contents.study.scenario)
             ),
         ],
         hull_mass=hull_mass,
@@ -135,7 +137,7 @@ def page_html(contents: Contents) -> str:
 
 def viewer_data(contents: Contents) -> dict[str, Any]:
     """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
-    around = scene.scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
+    around = scene.scene_data(contents.study.scenario, [entry.trajectory.position for entry in contents.entries])
     longest = max(entry.agent.body.length for entry in contents.entries)
     return {
         "agents": [
