@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from driftform.design import opening
 from driftform.design.design import Design
@@ -41,7 +41,10 @@ from driftform.water.disturbances import Specimen
 __all__ = ["Design", "Flight", "NoTargetError", "Run", "evolve", "load_study", "open_agent", "open_run"]
 
 
-load_study = say_in_python(study.load_study)
+if TYPE_CHECKING:
+    from driftform.study import load_study
+else:
+    load_study = say_in_python(study.load_study)
 
 
 OnBatch: TypeAlias = Callable[[int, Sequence[Evaluation]], None]

@@ -440,13 +440,15 @@ class Strategy(Plugin[OptionsT_co]):
 class GenerationStrategy(Strategy[OptionsT_co]):
     """A strategy that makes a generation, and learns from all of it: what an optimiser of a library needs.
 
-    It hands out a generation in parts if ``ask`` may not return all of it, so that a budget cuts none of them.
+    It hands out a generation in parts if ``ask`` may not return all of it, so that a budget cuts none of them. ``generation``
+    is how many have ended.
     """
 
     def __init__(self, options: OptionsT_co, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._left: list[Candidate] = []
         self._told: list[Evaluation] = []
+        self.generation = 0
 
     @abstractmethod
     def begin_generation(self) -> list[Candidate]:
@@ -468,6 +470,7 @@ class GenerationStrategy(Strategy[OptionsT_co]):
         if not self._left:
             told, self._told = self._told, []
             self.end_generation(first + len(evaluations) - len(told), told)
+            self.generation += 1
 
     def read_values(self, evaluation: Evaluation, names: Sequence[str], option: str) -> list[float]:
         """Return values of an evaluation: its mean ``fitness`` (%), that for a target, or one of its measures.

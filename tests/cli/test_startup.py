@@ -31,6 +31,7 @@ FOR_WORK = (
     "trimesh",
     "OCP",
     "rosbags",
+    "pymoo",
     "ribs",
     "pyarrow",
     "rich",

@@ -75,6 +75,7 @@ def test_the_core_installs_every_plugin_of_the_default_study():
     optional = {folder.name for folder in PROJECTS[1:]} - needs
     assert optional == {
         "driftform-networks",
+        "driftform-pymoo",
         "driftform-ribs",
         "driftform-robotics",
         "driftform-ros",

@@ -14,7 +14,7 @@ from driftform.interfaces import PhenotypeBuilder
 from driftform.plugins.seams import require_body
 from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
 from driftform.testing.contract import AnsweringContract, Question
-from driftform.types import Body, FloatArray, Module, Morphology
+from driftform.types import Body, Module, Morphology
 
 
 def random_morphology(seed: int, count: int = 39) -> Morphology:
@@ -137,7 +137,8 @@ class BuilderContract(AnsweringContract[PhenotypeBuilder[Any]]):
         there = self.plugin().build(morphology)
         back = self.plugin().build(Morphology(fore=morphology.aft, aft=morphology.fore))
         for a, b in ((there.outer, back.outer), (there.cavity, back.cavity)):
-            assert len(a) == len(b) == 0 or self._apart(mirrored_contour(a), b) <= self.slack
+            m = mirrored_contour(a)
+            assert len(a) == len(b) == 0 or max(*distance_from(m, b), *distance_from(b, m)) <= self.slack
         np.testing.assert_allclose(-there.joints[::-1], back.joints, atol=self.slack)
 
     def test_modules_make_the_body_longer(self) -> None:
@@ -145,7 +146,3 @@ class BuilderContract(AnsweringContract[PhenotypeBuilder[Any]]):
         bare, fore, aft = self.build("no module"), self.build("all fore"), self.build("all aft")
         assert fore.outer[-1, 0] > bare.outer[-1, 0]
         assert aft.outer[0, 0] < bare.outer[0, 0]
-
-    def _apart(self, a: FloatArray, b: FloatArray) -> float:
-        """Return the largest distance of a vertex of either contour from the other contour, m."""
-        return float(max(distance_from(a, b).max(), distance_from(b, a).max()))

@@ -26,13 +26,7 @@ class LetterGrammar(Grammar[Table]):
 
     def random(self, rng: np.random.Generator) -> Genome:
         """Return twelve letters, each drawn from the three."""
-        return self._genome("".join(rng.choice(list(TILTS), size=LENGTH)))
-
-    def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
-        """Return the parents with their tails exchanged."""
-        cut = int(rng.integers(1, LENGTH))
-        x, y = self.to_text(a), self.to_text(b)
-        return self._genome(x[:cut] + y[cut:]), self._genome(y[:cut] + x[cut:])
+        return Genome(self.name, tuple("".join(rng.choice(list(TILTS), size=LENGTH))))
 
     def express(self, genome: Genome) -> Morphology:
         """Return one module for each letter. Raises ValueError if the genome does not belong to this grammar."""
@@ -46,6 +40,3 @@ class LetterGrammar(Grammar[Table]):
     def parse(self, text: str) -> Genome:
         """Read twelve letters. Raises InputError if the text has other letters, or not twelve."""
         return super().parse(",".join(text))
-
-    def _genome(self, letters: str) -> Genome:
-        return Genome(self.name, tuple(letters))

@@ -46,8 +46,7 @@ class BSplineGrammar(Grammar[BSplineOptions]):
         for length, *points in (numbers[: len(numbers) // 2], numbers[len(numbers) // 2 :]):
             radii, step = (compute_basis(len(points), count) @ points).tolist(), length / count
             sides.append(tuple(Module(math.hypot(step, b - a), math.atan2(b - a, step)) for a, b in pairwise(radii)))
-        fore, aft = sides
-        return Morphology(fore, aft)
+        return Morphology(sides[0], sides[1])
 
 
 @lru_cache(maxsize=16)

@@ -43,7 +43,6 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
 
     def __init__(self, options: PaperOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._generation = 0
         self._populations: list[list[_Individual]] = [[] for _ in space.targets]
 
     def begin_generation(self) -> list[Candidate]:
@@ -56,13 +55,12 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
         told = [_Individual(index, one.genome, one.fitness) for index, one in enumerate(evaluations, first)]
         size = self.options.population
         self._populations = [told[k : k + size] for k in range(0, len(told), size)]
-        self._generation += 1
 
     def _next_population(self, number: int, target: str) -> list[Candidate]:
         rng, grammar, size = self.space.rng, self.space.grammar, self.options.population
         parents = self._populations[number]
         if not parents:
-            return [Candidate(grammar.random(rng), (), self._generation, target) for _ in range(size)]
+            return [Candidate(grammar.random(rng), (), self.generation, target) for _ in range(size)]
         chance = roulette_probabilities([parent.fitness[number] for parent in parents])
         offspring: list[Candidate] = []
         while len(offspring) < size:
@@ -74,7 +72,7 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
                 genomes = grammar.crossover(*genomes, rng)
                 lineage = [(a.index, b.index)] * 2
             for genome, of in zip(genomes, lineage, strict=True):
-                offspring.append(Candidate(self._mutate(genome), of, self._generation, target))
+                offspring.append(Candidate(self._mutate(genome), of, self.generation, target))
         return offspring[:size]
 
     def _mutate(self, genome: Genome) -> Genome:

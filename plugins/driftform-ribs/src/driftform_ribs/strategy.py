@@ -100,7 +100,6 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
         self._emitters = make_emitters(options, self._guide, genes, space.rng) if genes else []
         self._asked = np.empty((0, genes))
         self._evaluated = 0
-        self._generation = 0
 
     def begin_generation(self) -> list[Candidate]:
         """Return the next batch."""
@@ -109,11 +108,11 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
             self._asked = np.concatenate([emitter.ask() for emitter in self._emitters])
             # Mirrored at the bounds of the genes, where evolution strategies know none.
             vectors = 1 - np.abs(1 - self._asked % 2)
-            return [Candidate(grammar.make_genome(vector), (), self._generation) for vector in vectors]
+            return [Candidate(grammar.make_genome(vector), (), self.generation) for vector in vectors]
         remaining = options.random - self._evaluated
         if remaining > 0 or self._archive.empty:
             count = min(options.batch, remaining) if remaining > 0 else options.batch
-            return [Candidate(grammar.random(rng), (), self._generation) for _ in range(count)]
+            return [Candidate(grammar.random(rng), (), self.generation) for _ in range(count)]
         # Drawn by the search's generator and not by the archive's, so that one seed determines everything.
         elites = self._archive.data(["solution", "evaluation"])
         found = []
@@ -125,13 +124,12 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
                 # Otherwise it would fly as the parent did.
                 child = grammar.flip(child, int(rng.integers(len(child.symbols))), rng)
             parents = elites["evaluation"][pair if crossed else pair[:1]]
-            found.append(Candidate(child, tuple(parents.tolist()), self._generation))
+            found.append(Candidate(child, tuple(parents.tolist()), self.generation))
         return found
 
     def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Add the flights to the archive, and tell the evolution strategies what they added."""
         self._evaluated += len(evaluations)
-        self._generation += 1
         measures = np.array([self._measure(evaluation) for evaluation in evaluations])
         sound = np.isfinite(measures).all(axis=1)
         if not sound.any():
