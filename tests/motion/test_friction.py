@@ -15,7 +15,6 @@ from driftform.testing.bodies import spheroid_body
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import Contact, FlightLimits, Release
-from driftform_exudyn.integration import integrate_motion, make_settings
 
 RADIUS = 0.02
 VOLUME = 4 / 3 * math.pi * RADIUS**3
@@ -97,24 +96,6 @@ def test_an_agent_on_a_wall_that_is_steeper_than_its_friction_slides():
     expected = 6.0 * (math.sin(slope) - 0.3 * math.cos(slope)) / mass
     # Friction and the water's moment set it rocking, which takes a tenth of the speed.
     assert 0.85 * expected < along[-1] / samples[-1, 0] < 1.01 * expected
-
-
-def test_both_integrators_roll_and_stick_alike():
-    for agent, scenario in (
-        (
-            heavy_sphere(),
-            scenario_of(3.0, 0.3, position=(1.0, 0.0, RADIUS - 0.5), velocity=(0.3, 0.1, 0.0), yaw_deg=20.0),
-        ),
-        (pressed_spheroid(6.0), scenario_of(3.0, 0.3, slope=0.2, position=(1.0, 0.0, 0.03 - 0.5), velocity="rest")),
-    ):
-        model = flight_model(agent, scenario)
-        start = release_state(model, scenario)
-        ours = integrate(model, start, 3.0, ACCURACY).samples
-        settings = make_settings("DOPRI5", 3.0, 1e-7, 0.05)
-        theirs = integrate_motion(agent, scenario, settings, 100_000)
-        assert theirs[-1, 0] == ours[-1, 0] == 3.0
-        assert theirs[-1, 1:4] == pytest.approx(ours[-1, 1:4], abs=1e-4)
-        assert theirs[-1, 8:] == pytest.approx(ours[-1, 8:], abs=1e-3)
 
 
 def test_bodies_that_have_settled_on_the_wall_move_on_as_their_equations_say():
