@@ -120,8 +120,6 @@ def test_every_disturbance_changes_its_quantity():
     assert there.release.pitch_deg == pytest.approx(10 + np.rad2deg(0.1))
     assert there.release.yaw_deg == pytest.approx(np.rad2deg(-0.2))
     assert there.flow.speed == pytest.approx(3.0)
-    open_water = Scenario.model_validate({"flow": {"added": (0.0, 0.2, -0.4)}})
-    assert disturb_scenario(changed(current=1.5), open_water).flow.added == pytest.approx((0.0, 0.3, -0.6))
     assert (there.gusts.seed, there.gusts.always) == (7, True)
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
     warm = disturb_scenario(changed(warmer=4.0, density=0.9), scenario).fluid
