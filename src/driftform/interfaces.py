@@ -34,7 +34,7 @@ from driftform.water import Fluid, Scenario
 from driftform.water.pipe import Vector
 
 __all__ = [
-    "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "GenerationStrategy", "Grammar", "Hydrodynamics",
+    "AccuracyOptions", "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "GenerationStrategy", "Grammar", "Hydrodynamics",
     "HydrodynamicsOptions", "Measure", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
     "Renderer", "ReportJob", "Result", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
@@ -214,6 +214,29 @@ class Hydrodynamics(Plugin[HydrodynamicsOptionsT_co]):
 
         A model does not compute the drag of strips: the pipeline adds it if ``options.drag`` is ``"strips"``.
         """
+
+
+class AccuracyOptions(Table):
+    """Options of a simulator that flies again until the estimated error of a flight is small enough."""
+
+    accuracy: float = option(
+        1e-3,
+        "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
+        "this is met, in gusts only as long as that helps",
+        "m",
+        ge=1e-12,
+        le=1e6,
+    )
+    tolerance: float = option(
+        1e-6,
+        "initial tolerance of a step at the release in every coordinate, ten times as much in gusts; it grows along the flight",
+        "SI",
+        ge=1e-15,
+        le=1e-2,
+    )
+    tightest: float = option(1e-12, "tolerance below which it is not reduced", "SI", ge=1e-15, le=1e-2)
+    max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
 
 
 class Simulator(Plugin[OptionsT_co]):

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-from driftform.interfaces import Simulator, Table, option
+from driftform.interfaces import AccuracyOptions, Simulator, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
 
@@ -15,37 +15,12 @@ With equal longest steps, two flights would differ from the path between their s
 """
 
 
-class ExudynOptions(Table):
+class ExudynOptions(AccuracyOptions):
     """Options of the Exudyn backend."""
 
     integrator: Literal["DOPRI5", "RK67", "RK44"] = option(
-        "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps"
+        "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take all steps of the length max_step"
     )
-    accuracy: float = option(
-        1e-3,
-        "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
-        "this is met, in gusts only as long as that helps",
-        "m",
-        ge=1e-12,
-        le=1e6,
-    )
-    tolerance: float = option(
-        1e-6,
-        "initial tolerance of a step at the release in every coordinate, ten times as much in gusts; it grows along the "
-        "flight (DOPRI5)",
-        "SI",
-        ge=1e-15,
-        le=1e-2,
-    )
-    tightest: float = option(1e-12, "tolerance below which it is not reduced", "SI", ge=1e-15, le=1e-2)
-    max_step: float = option(
-        0.05,
-        "longest time step and time between samples; RK67 and RK44 take all steps of this length",
-        "s",
-        ge=1e-5,
-        le=10,
-    )
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
 
 
 class ExudynSimulator(Simulator[ExudynOptions]):

@@ -3,32 +3,14 @@
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from driftform.interfaces import Simulator, Table, option
+from driftform.interfaces import AccuracyOptions, Simulator, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
 
 
-class NativeOptions(Table):
+class NativeOptions(AccuracyOptions):
     """Options of the native backend."""
 
-    accuracy: float = option(
-        1e-3,
-        "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
-        "this is met, in gusts only as long as that helps",
-        "m",
-        ge=1e-12,
-        le=1e6,
-    )
-    tolerance: float = option(
-        1e-6,
-        "initial tolerance of a step, relative to 1 + |value| in every coordinate; ten times as much in gusts",
-        "SI",
-        ge=1e-15,
-        le=1e-2,
-    )
-    tightest: float = option(1e-12, "tolerance below which it is not reduced", "SI", ge=1e-15, le=1e-2)
-    max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
     threads: int = option(
         1,
         "flights of a batch that run in parallel; the worker processes of a run already share the machine",
