@@ -122,6 +122,8 @@ def test_every_disturbance_changes_its_quantity():
     assert there.flow.speed == pytest.approx(3.0)
     assert (there.gusts.seed, there.gusts.always) == (7, True)
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
+    across = Scenario(flow={"kind": "uniform", "speed": 1.0, "added": (0.0, 0.2, 0.0)})
+    assert disturb_scenario(changed(current=1.5), across).flow.added == pytest.approx((0.0, 0.3, 0.0))
     warm = disturb_scenario(changed(warmer=4.0, density=0.9), scenario).fluid
     assert warm.density == pytest.approx(0.9 * scenario.fluid.density_at(scenario.fluid.celsius + 4))
 
