@@ -6,31 +6,17 @@ import numpy as np
 
 import driftform as df
 from driftform.interfaces import Grammar
-from driftform.types import Genome, Module, Morphology
+from driftform.types import Module, Morphology
 
 
 class TailGrammar(Grammar):
     name = "tail"
 
-    def random(self, rng):
-        return self.parse(" ".join(map(str, rng.integers(-20, 21, 12))))
-
-    def flip(self, genome, index, rng):
-        symbols = dict(enumerate(genome.symbols)) | {index: str(rng.integers(-20, 21))}
-        return Genome(self.name, tuple(symbols.values()))
-
-    def crossover(self, a, b, rng):
-        x, y, cut = a.symbols, b.symbols, rng.integers(1, 12)
-        return Genome(self.name, x[:cut] + y[cut:]), Genome(self.name, y[:cut] + x[cut:])
+    def list_genes(self):
+        return [(-20.0, 20.0)] * 12
 
     def express(self, genome):
-        return Morphology(aft=tuple(Module(0.01, np.deg2rad(float(tilt))) for tilt in genome.symbols))
-
-    def to_text(self, genome):
-        return " ".join(genome.symbols)
-
-    def parse(self, text):
-        return Genome(self.name, tuple(text.split()))
+        return Morphology(aft=tuple(Module(0.01, np.deg2rad(tilt)) for tilt in self.read_symbols(genome)))
 
 
 study = df.load_study("pipe-inspection", targets=["TP5"], run={"seed": 1})
