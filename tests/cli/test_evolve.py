@@ -44,7 +44,7 @@ def test_off_a_terminal_progress_is_a_plain_line_on_stderr(finished_run):
 def test_a_run_directory_holds_what_the_design_says(finished_run):
     directory, _ = finished_run
     best = {f"best/{target}/{name}" for target in ("TP1", "TP7") for name in BEST}
-    top = {"study.toml", "resolved.toml", "environment.json", "run.db"}
+    top = {"study.toml", "resolved.toml", "environment.json", "run.db", "ended.json"}
     top |= {"figures/overview.svg", "figures/reach.svg"}
     found = {path.relative_to(directory).as_posix() for path in directory.rglob("*") if path.is_file()}
     assert found - {".lock"} == best | top

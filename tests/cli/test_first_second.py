@@ -15,6 +15,7 @@ import pytest
 from processes import is_alive, wait_until
 
 from driftform.search.local import InProcess
+from driftform.study import Document, load_study
 from driftform.util import kernel_cache
 
 pytestmark = pytest.mark.long
@@ -94,7 +95,13 @@ def test_an_announcement_from_the_future_does_not_silence_this_one(tmp_path, mon
 @pytest.fixture
 def here(fakes, monkeypatch):
     """Evaluations are made in this process."""
-    monkeypatch.setattr("driftform.search.executors._make_executor", lambda study, *_: InProcess(study.make_pipeline()))
+
+    def open_here(document, *_, **__):
+        return InProcess(load_study(Document("study", document)).make_pipeline())
+
+    monkeypatch.setattr("driftform.search.executors.LocalProcesses", open_here)
+    # Python does not see that a file of its own cache is cut short.
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
 
 
 @contextmanager
