@@ -34,7 +34,8 @@ from driftform.water import Fluid, Scenario
 from driftform.water.pipe import Vector
 
 __all__ = [
-    "AccuracyOptions", "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "GenerationStrategy", "Grammar", "Hydrodynamics",
+    "AccuracyOptions", "Checker", "ExportJob", "Exporter", "Fitness", "Fitting", "Flown", "GenerationStrategy", "Grammar",
+    "Hydrodynamics",
     "HydrodynamicsOptions", "Measure", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
     "Renderer", "ReportJob", "Result", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
@@ -183,6 +184,23 @@ class PhenotypeBuilder(Plugin[OptionsT_co]):
     def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
         """Return, as JSON, what the hull of a body withstands from outside, with a ``summary``; ``None``, the default, if unknown."""
         return None
+
+
+class Fitting(Plugin[OptionsT_co]):
+    """Body -> what is fitted to its hull, such as an eyelet, a window, a fin, or a pocket for a sensor.
+
+    A builder selects fittings by an option, as ``frusta`` does by ``builder.fittings``. What they weigh and displace follows
+    from their solids. Those of revolution about the axis become part of the body's contours, and so of the flow; the flow model leaves
+    others out.
+    """
+
+    @abstractmethod
+    def draw(self, body: Body) -> tuple[Any, Any]:
+        """Return what is added to the hull and what is then cut out of it: trees of ``driftform_frusta.csg``, or ``None``.
+
+        Lengths are mm. z runs along the axis towards fore, from the origin of the body frame, whose y and z are x and y here.
+        What is added reaches into the wall, to merge with it. Leave the core its room, and a wall between water and cavity.
+        """
 
 
 class HydrodynamicsOptions(Table):
@@ -713,6 +731,7 @@ class ReportJob:
 SEAMS: dict[str, type[Plugin[Any]]] = {
     "grammar": Grammar,
     "builder": PhenotypeBuilder,
+    "fitting": Fitting,
     "hydrodynamics": Hydrodynamics,
     "simulator": Simulator,
     "fitness": Fitness,
@@ -726,3 +745,6 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
 
 NAMED = ("exporter", "recorder", "renderer", "checker")
 """The seams whose plugins a command selects by name: a study contains only their options."""
+
+WITHIN = ("fitting",)
+"""The seams whose plugins an option of another plugin selects, with their options."""

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
+    "Agent", "Body", "Candidate", "Coefficients", "Core", "Detail", "Drag", "End", "Evaluation", "Finding",
     "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "Pocket", "State",
     "Trajectory", "Verdict", "WrittenFile",
 ]  # fmt: skip
@@ -176,6 +176,12 @@ class Moments:
         cube, fifth = factor**3, factor**5
         return Moments(cube * self.volume, cube * factor * self.first, fifth * self.second, fifth * self.polar)
 
+    def matrix(self) -> FloatArray:
+        """Return them as the integral of h h^T, h = (1, x, y, z), over a solid that is alike all round, (4, 4)."""
+        found = np.diag([self.volume, self.second, self.polar / 2, self.polar / 2])
+        found[0, 1] = found[1, 0] = self.first
+        return found
+
     @property
     def centroid(self) -> float:
         """x of the centroid, m."""
@@ -233,18 +239,54 @@ class Core:
         return np.asarray(np.interp(at, along, radii, left=0.0, right=0.0))
 
 
-@dataclass(frozen=True)
-class Fittings:
-    """What a hull has besides the wall of its section, such as the joints of a kit.
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """Solids that a hull has beside its body of revolution, such as an eyelet or the lugs of a bayonet.
 
     Attributes:
-        material: volume integrals of the material that is added, less that of material that is removed.
-        displaced: the same for the volume that the body displaces more than its outer contour; negative for
-            what fills with water.
+        name: of what it is.
+        added: what is added, as a tree of ``driftform_frusta.csg``, or ``None``.
+        removed: what is then cut out, likewise.
+        material: integral of h h^T over the material that the hull gains, less that over what it loses, with h = (1, x, y, z)
+            in m, (4, 4): its volume and moments.
+        displaced: the same for what the body displaces.
+        area: of its shadows along the three axes outside the hull, the root of the sum of their squares, m2.
+    """
+
+    name: str
+    added: Any
+    removed: Any
+    material: FloatArray
+    displaced: FloatArray = field(default_factory=lambda: np.zeros((4, 4)))
+    area: float = 0.0
+
+    def __post_init__(self) -> None:
+        freeze_fields(self, material=(4, 4), displaced=(4, 4))
+
+    @property
+    def moments(self) -> Moments:
+        """Volume integrals of its material about the axis."""
+        (volume, first, *_), (_, second, *_), (_, _, yy, _), (*_, zz) = self.material.tolist()
+        return Moments(volume, first, second, yy + zz)
+
+
+@dataclass(frozen=True)
+class Fittings:
+    """What a hull has besides the wall of its section.
+
+    Attributes:
+        material: volume integrals of the material that a kit adds, such as that of its joints, less that which it removes.
+        details: what is fitted to it, which these leave out.
     """
 
     material: Moments = Moments()
-    displaced: Moments = Moments()
+    details: tuple[Detail, ...] = ()
+
+    def scale(self, factor: float) -> "Fittings":
+        """Return those of the hull with all its lengths multiplied by a factor; solids are drawn as before."""
+        lengths = factor**3 * np.outer(h := np.array([1.0, factor, factor, factor]), h)
+        details = (replace(d, material=lengths * d.material, displaced=lengths * d.displaced) for d in self.details)
+        return Fittings(self.material.scale(factor), tuple(details))
 
 
 @dataclass(frozen=True)

@@ -142,7 +142,7 @@ def outputs(tmp_path_factory):
         "inspect": ["inspect", WORD, "--compare"],
         "export": [
             *("export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"),
-            *("--kit", "--option", "drain=0.003"),
+            *("--kit", "--option", "lap=0.007"),
         ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "export-flow": ["export-flow", "paper", "--spacing", "0.4", "--out", f"{here}/currents.csv"],

@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 _ROLE = re.compile(r":(?:mod|class|func|meth|attr|data|exc):`~?([^`]+)`")
 
 TEST_WITH = {
+    "driftform_frusta.csg": (),
     "driftform.plugins.hookspecs": (),
     "driftform.testing.bodies": (),
     "driftform.testing.agents": ("Spheroid", "sphere_agent", "tumbling_agent"),
@@ -25,7 +26,7 @@ TEST_WITH = {
     "driftform.testing.renderer": ("Frames", "drifting_trajectory", "read_film"),
     "driftform.testing.checker": ("write_box",),
 }
-"""The hooks, and bodies, agents and flights to test with: modules, and their names, or none for all that are public."""
+"""The trees of solids, the hooks, and bodies, agents and flights to test with: modules, and their names, or none for all that are public."""
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,9 @@ def package():
     """The modules of the package by name, as the page is made: nothing is imported."""
     import griffe
 
-    return griffe.load("driftform", search_paths=[ROOT / "src"]).modules_collection
+    found = griffe.load("driftform", search_paths=[ROOT / "src"]).modules_collection
+    griffe.load("driftform_frusta", search_paths=[ROOT / "plugins/driftform-frusta/src"], modules_collection=found)
+    return found
 
 
 @pytest.fixture(scope="module")

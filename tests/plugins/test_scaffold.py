@@ -96,7 +96,8 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed):
         study = load_study(f"{seam}/study.toml")
         study.make_pipeline(), study.make_strategy()
         row = [row for row in registry().seam(seam) if row.name == f"try-{seam}"][0]
-        table = study.document[seam]
+        table = study.document.get(seam)
+        [table] = study.document["builder"]["fittings"] if seam == "fitting" else [table]
         options = table if table.get("use") == row.name else table[row.name]
         print(json.dumps([seam, row.state, row.distribution, describe(row.cls.Options), options]))
     """

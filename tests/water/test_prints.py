@@ -11,7 +11,7 @@ from driftform.agent import hull_mass, mass_properties, solid_of_revolution
 from driftform.agent.distance import offset_contour
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
-from driftform.types import Fittings
+from driftform.types import Detail, Fittings
 from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid
 from driftform.water.prints import disturb_body
@@ -90,7 +90,8 @@ def test_the_fittings_of_a_kit_warm_and_shrink_with_its_hull():
     body = pipeline.build(pipeline.express(pipeline.grammar.random(np.random.default_rng(1))))
     assert abs(body.fittings.material.volume) > 1e-8
     # As of an eyelet outside, which displaces water too.
-    body = replace(body, fittings=Fittings(body.fittings.material, body.fittings.material))
+    ring = body.fittings.material.matrix()
+    body = replace(body, fittings=Fittings(details=(Detail("ring", None, None, ring, ring),)))
     warm = disturb_body(replace(CALM, warmer=10.0), body, WATER)
     assert mass_properties(warm).mass == pytest.approx(mass_properties(body).mass, rel=1e-12)
     small = disturb_body(replace(CALM, scale=0.99), body, WATER)

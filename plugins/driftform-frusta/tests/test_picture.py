@@ -10,11 +10,10 @@ from PIL import Image
 from driftform.figures import svg
 from driftform.figures.files import ZOOM, rasterise
 from driftform_frusta.picture import plate_svg
-from driftform_frusta.solid import Solid, make_mesh, revolve_profiles
-from driftform_frusta.triangles import Mesh
+from driftform_frusta.solid import Solid, make_mesh
 
 RED, BLUE = "#ff0000", "#0000ff"
-BED = (100.0, 100.0)
+BED = 100.0
 
 
 def mesh_of(solid):
@@ -42,33 +41,18 @@ def test_a_picture_has_the_size_that_was_asked_for_and_shows_the_part_in_its_col
     picture = draw([shape((20, 20, 40), (0, 0, 0), RED)], BED, 120, 90)
     assert picture.shape == (90, 120, 3)
     red = is_of(picture, 0)
-    assert 0.05 < red.mean() < 0.9
+    wide, high = (np.ptp(np.flatnonzero(red.any(axis=axis))) + 1 for axis in (0, 1))
+    assert high / wide == pytest.approx(2, rel=0.05) and 70 < high < 80
     assert not red[0].any() and not red[-1].any() and not red[:, 0].any() and not red[:, -1].any()
 
 
 def test_what_is_nearer_hides_what_is_behind_it_whatever_the_order():
     # The eye is in front, where y is less.
-    near, far = shape((60, 4, 60), (0, -30, 0), RED), shape((20, 4, 20), (0, -15, 0), BLUE)
+    near, far = shape((60, 4, 60), (0, -30, 0), RED), shape((20, 4, 20), (0, 15, 0), BLUE)
     for shapes in ([near, far], [far, near]):
         picture = draw(shapes, BED, 160, 120)
         assert is_of(picture, 0).any()
         assert not is_of(picture, 2).any()
-
-
-def test_a_sealed_hollow_is_never_seen():
-    mesh = mesh_of(Manifold.cube((60, 60, 6)) - Manifold.cube((58, 58, 4)).translate((1, 1, 1)))
-    full = draw([shape((60, 60, 6), (0, 0, 0), RED)], BED)
-    drawn = draw([(mesh.translate((-30, -30, 0)), RED)], BED)
-    # The edges of other triangles differ by a shade.
-    assert np.abs(drawn.astype(int) - full).max() < 16
-
-
-def test_a_plate_with_many_triangles_is_drawn_with_few():
-    angle = np.linspace(0, np.pi, 400)
-    ball = revolve_profiles([30 * np.column_stack((np.sin(angle), 1 - np.cos(angle)))], 400)
-    text = plate_svg([(Mesh(ball.vertices, ball.triangles), RED)], BED)
-    assert len(ball.triangles) > 300_000
-    assert text.count("Z") < 30_000
 
 
 @pytest.mark.parametrize(("places", "axis"), [(((0, 0, 20), (0, 0, 0)), 1), (((-20, 0, 0), (20, 0, 0)), 0)])
@@ -78,18 +62,6 @@ def test_up_and_to_the_right_on_the_bed_are_so_on_the_page(places, axis):
     )
     first, second = (np.flatnonzero(is_of(picture, channel).any(axis=axis)).mean() for channel in (0, 2))
     assert first < second
-
-
-def test_the_area_of_a_face_is_that_of_its_projection():
-    """A slab seen from above and from the front: its top and front side by the sines of the eye's elevation."""
-    picture = draw([shape((60, 60, 1e-3), (0, 0, 0), RED)], (1000.0, 1000.0), 400, 300)
-    red = is_of(picture, 0)
-    wide, high = (np.ptp(np.flatnonzero(red.any(axis=axis))) + 1 for axis in (0, 1))
-    # A square turned by the azimuth a: its width is cos a + sin a sides, and its height that times sin(24 deg).
-    assert high / wide == pytest.approx(np.sin(np.deg2rad(24.0)), rel=0.05)
-    turn = np.deg2rad(62.0)
-    side = wide / (np.cos(turn) + np.sin(turn))
-    assert red.sum() == pytest.approx(side**2 * np.sin(np.deg2rad(24.0)), rel=0.05)
 
 
 @pytest.mark.parametrize(("unit", "text"), [("mm", "60mm"), ("px", "226.77")])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform_frusta.plate import GAP, arrange, fits
+from driftform_frusta.plate import GAP, arrange
 
 BED = (250.0, 210.0)
 sides = st.floats(1, 250)
@@ -47,9 +47,3 @@ def test_a_part_larger_than_the_bed_has_a_plate_to_itself():
     spots = arrange([(20, 20), (300, 300), (20, 20)], BED)
     assert spots[0].plate == spots[2].plate != spots[1].plate
     assert (spots[1].x, spots[1].y) == (0, 0)
-
-
-def test_whether_a_part_fits_is_a_matter_of_all_three_sides():
-    assert fits((250, 210, 200), (250, 210, 200))
-    for too_large in ((251, 1, 1), (1, 211, 1), (1, 1, 201)):
-        assert not fits(too_large, (250, 210, 200))

@@ -53,29 +53,6 @@ def test_area_vectors_point_outward_and_close():
     assert (((box.vertices[box.triangles].mean(axis=1) - box.vertices.mean(axis=0)) * vectors).sum(axis=1) > 0).all()
 
 
-def test_an_obj_file_counts_its_vertices_from_the_number_given():
-    mesh = Mesh(np.array([(0, -0.0, 1), (0.1, 2, 3), (4, 5, 6)]), np.array([(0, 1, 2)]))
-    normal = "vn 0 0.70711 -0.70711\n"
-    assert mesh.to_obj() == "v 0 0 1\nv 0.1 2 3\nv 4 5 6\n" + 3 * normal + "f 1//1 2//2 3//3\n"
-    assert mesh.to_obj(9).endswith("f 9//9 10//10 11//11\n")
-
-
-def test_normals_of_vertices_have_unit_length_and_point_outward():
-    cylinder = Mesh.revolve(np.array([(0.0, 0.0), (5.0, 0.0), (5.0, 700.0), (0.0, 700.0)]), 64)
-    normals = cylinder.vertex_normals
-    assert normals.shape == cylinder.vertices.shape
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(1, rel=1e-12)
-    assert normals[-2:].tolist() == [[0, 0, -1], [0, 0, 1]]
-    side, outward = normals[:-2], cylinder.vertices[:-2, :2] / cylinder.vertices[0, 0]
-    # The side has most of the area around an edge.
-    assert (side[:, :2] * outward).sum(axis=1).min() > 0.99
-
-
-def test_a_vertex_around_which_nothing_has_an_area_has_a_normal_too():
-    mesh = Mesh(np.array([(0.0, 0, 0), (1, 0, 0), (1, 0, 0), (9, 9, 9)]), np.array([(0, 1, 2)]))
-    assert mesh.vertex_normals.tolist() == [[0, 0, 1]] * 4
-
-
 def test_an_stl_file_is_laid_out_as_the_format_says():
     box = box_mesh()
     data = box.to_stl()

@@ -13,7 +13,6 @@ from driftform_kit.ballast import (
     FOAM,
     MATERIALS,
     PUTTY,
-    RequiredBallast,
     max_ball_radius,
     place_by_hand,
     place_filling,
@@ -66,7 +65,7 @@ def test_print_and_ballast_weigh_and_balance_as_simulated(missing, at):
 @given(mass=st.floats(1e-5, 0.3), x=st.floats(-0.045, 0.075), density=st.sampled_from(list(MATERIALS.values())))
 @settings(deadline=None)
 def test_pieces_lie_in_the_bore_beside_the_core(mass, x, density):
-    for piece in place_ballast(BODY, RequiredBallast(mass, mass * x), density):
+    for piece in place_ballast(BODY, MassElement(mass, x), density):
         assert -0.048 - 1e-9 <= piece.start < piece.end <= 0.078 + 1e-9
         if piece.diameter is not None:
             assert piece.diameter / 2 <= 0.012 + 1e-9
@@ -76,7 +75,7 @@ def test_pieces_lie_in_the_bore_beside_the_core(mass, x, density):
 
 def test_a_filling_where_no_ball_has_room():
     # Half of 300 g of lead is a ball of 29 mm in a bore of 24 mm; all of it as a plug is 58 mm long.
-    [piece] = place_ballast(BODY, RequiredBallast(0.3, 0.3 * 0.045), LEAD)
+    [piece] = place_ballast(BODY, MassElement(0.3, 0.045), LEAD)
     assert piece.diameter is None
     assert piece.end - piece.start == pytest.approx(0.3 / LEAD / (np.pi * 0.012**2), rel=1e-3)
     assert piece.element.x == pytest.approx(0.045, abs=1e-6)
@@ -89,11 +88,9 @@ def test_a_filling_where_no_ball_has_room():
 @given(mass=st.floats(0.25, 0.4), share=st.floats(0, 0.999))
 @settings(deadline=None)
 def test_a_filling_has_its_centre_where_the_ballast_is_wanted(mass, share):
-    aftmost, foremost = (
-        place_nearest(BODY, RequiredBallast(mass, mass * end), LEAD)[0].element.x for end in (-1.0, 1.0)
-    )
+    aftmost, foremost = (place_nearest(BODY, MassElement(mass, end), LEAD)[0].element.x for end in (-1.0, 1.0))
     x = aftmost + share * (foremost - aftmost)
-    [piece] = place_ballast(BODY, RequiredBallast(mass, mass * x), LEAD)
+    [piece] = place_ballast(BODY, MassElement(mass, x), LEAD)
     assert piece.diameter is None
     assert piece.element.mass == pytest.approx(mass, rel=1e-9)
     assert piece.element.x == pytest.approx(x, abs=1e-10)
@@ -102,15 +99,15 @@ def test_a_filling_has_its_centre_where_the_ballast_is_wanted(mass, share):
 def test_all_of_the_bore_but_the_core_can_be_filled():
     volume = np.pi * 0.012**2 * 0.126 - 4 / 3 * np.pi * 0.01**3
     for share, room in ((0.999, True), (1.001, False)):
-        wanted = RequiredBallast(share * volume * LEAD, 0.0)
+        wanted = MassElement(share * volume * LEAD, 0.0)
         assert bool(place_nearest(BODY, wanted, LEAD)) is room
 
 
 @pytest.mark.parametrize(
     ("body", "wanted"),
     [
-        (BODY, RequiredBallast(2.0, 2.0 * 0.02)),
-        (Body(BODY.outer, np.empty((0, 2)), BODY.joints, BODY.core, 0.002, 1050.0), RequiredBallast(0.001, 0.0)),
+        (BODY, MassElement(2.0, 0.02)),
+        (Body(BODY.outer, np.empty((0, 2)), BODY.joints, BODY.core, 0.002, 1050.0), MassElement(0.001, 0.0)),
         (BODY, required_ballast(SIMULATED, SIMULATED)),
     ],
     ids=["more than the bore holds", "a solid body", "nothing missing"],
@@ -120,7 +117,7 @@ def test_what_has_no_room_or_needs_none_has_no_pieces(body, wanted):
 
 
 def test_foam_moves_the_centre_of_buoyancy_towards_it():
-    required = RequiredBallast(-0.01, -0.01 * 0.03)
+    required = MassElement(-0.01, 0.03)
     lifted, foam = _lift(AGENT, [MassElement(SIMULATED.mass + 0.01, SIMULATED.cog[0])], required, 1000.0)
     assert foam["volume"] == pytest.approx(0.01 / (1000.0 - FOAM)) and foam["x"] == pytest.approx(0.03)
     moment = SIMULATED.volume * SIMULATED.cob[0] + foam["volume"] * 0.03
@@ -142,15 +139,15 @@ def test_room_ends_at_the_walls_and_at_the_core():
 @given(mass=st.floats(1e-5, 5e-4), x=st.floats(-0.045, 0.075))
 @settings(deadline=None)
 def test_no_filling_is_thinner_than_a_millimetre(mass, x):
-    wanted = RequiredBallast(mass, mass * x)
+    wanted = MassElement(mass, x)
     for found in (place_ballast(BODY, wanted, LEAD), place_nearest(BODY, wanted, LEAD)):
         assert all(piece.end - piece.start >= 1e-3 - 1e-9 for piece in found if piece.diameter is None)
 
 
 def test_a_little_by_hand_is_a_ring_of_putty_on_the_wall_and_more_fills_the_bore():
-    [filling] = place_by_hand(BODY, RequiredBallast(0.3, 0.3 * 0.045), LEAD)
+    [filling] = place_by_hand(BODY, MassElement(0.3, 0.045), LEAD)
     assert filling.ring is None and filling.putty == 0
-    [piece] = place_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * 0.03), LEAD)
+    [piece] = place_by_hand(BODY, MassElement(0.0005, 0.03), LEAD)
     assert piece.diameter is None and piece.ring is not None and piece.putty == piece.element.mass == 0.0005
     volume = np.pi * (0.012**2 - (0.012 - piece.ring) ** 2) * (piece.end - piece.start)
     assert volume * PUTTY == pytest.approx(0.0005) and piece.end - piece.start == pytest.approx(piece.ring)
@@ -160,5 +157,5 @@ def test_a_little_by_hand_is_a_ring_of_putty_on_the_wall_and_more_fills_the_bore
 
 
 def test_by_hand_too_ballast_comes_as_near_as_it_can():
-    [piece] = place_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * -0.06), LEAD)
+    [piece] = place_by_hand(BODY, MassElement(0.0005, -0.06), LEAD)
     assert -0.048 <= piece.start < -0.046

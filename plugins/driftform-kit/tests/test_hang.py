@@ -9,7 +9,12 @@ from driftform.agent import mass_properties
 from driftform.design.opening import open_agent
 from driftform.water.disturbances import Condition
 from driftform.water.prints import disturb_body
-from driftform_kit.hang import ADDED, find_net_weight, find_reading, trim_in_water
+from driftform_kit.hang import ADDED, find_reading, trim_in_water
+
+
+def find_net_weight(agent, fluid):
+    return agent.mass.mass - fluid.density * agent.mass.volume
+
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
 CALM = Condition()

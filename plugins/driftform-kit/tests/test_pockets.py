@@ -7,9 +7,7 @@ from prints import chain_body, job_of, weigh_meshes
 
 from driftform import open_agent
 from driftform.agent import MassElement, mass_properties
-from driftform.errors import WorkFailedError
 from driftform_frusta.kit_options import PartOptions
-from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.hang import find_reading, share_putty
 from driftform_kit.sheet.contents import plan_sheet
 
@@ -30,11 +28,6 @@ def test_parts_core_and_putty_weigh_and_balance_as_simulated_and_the_sheet_says_
     assert all(
         f"{1e3 * one.mass:.2f}\u00a0g" in step and f"{1e3 * (one.x - BODY.outer[0, 0]):.1f}" in step for one in PUTTY
     )
-
-
-def test_a_hole_through_an_end_gives_way_to_its_pocket():
-    with pytest.raises(WorkFailedError, match="trim pockets take its place"):
-        make_kit(BODY, PartOptions(kit=True, drain=0.002))
 
 
 @pytest.mark.parametrize("missing", [0.0012, -0.0009, 0.02])

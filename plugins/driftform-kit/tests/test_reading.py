@@ -10,10 +10,10 @@ import trimesh
 from prints import CORNERS, TRIANGLES, mesh_xml, write_3mf
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.interfaces import PrintJob
+from driftform.interfaces import PrintJob, Table
 from driftform.types import State
 from driftform.util import foreign
-from driftform_kit.checks.admesh import AdmeshChecker, AdmeshOptions
+from driftform_kit.checks.admesh import AdmeshChecker
 from driftform_kit.reading import provide_stl, read_meshes
 
 
@@ -217,7 +217,7 @@ def test_admesh_is_understood_whatever_bytes_it_prints(sound, tmp_path, monkeypa
     program.write_text(f"#!{sys.executable}\nimport sys\nsys.stdout.buffer.write({report!r})\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    checker = AdmeshChecker(AdmeshOptions())
+    checker = AdmeshChecker(Table())
     [finding] = checker.check(PrintJob((sound,)))
     assert finding.state is State.PASS
 

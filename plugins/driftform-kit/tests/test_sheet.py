@@ -106,12 +106,12 @@ def test_drawings_have_the_scale_that_the_sheet_states(body):
 
 
 @settings(max_examples=12, deadline=None)
-@given(BODIES, st.sampled_from([{}, {"bed": (0.25, 0.21, 0.1)}, {"drain": 0.001}]))
+@given(BODIES, st.sampled_from([{}, {"bed": (0.25, 0.21, 0.1)}]))
 def test_nothing_is_drawn_beside_the_page(body, options):
     try:
         sheet = sheet_of(body, **options)
     except WorkFailedError as error:
-        assert "no kit can be made" in str(error) or "can be made in the" in str(error)
+        assert "no kit can be made" in str(error)
         return
     for root in map(ET.fromstring, draw_pages(sheet)):
         width, height = map(float, root.get("viewBox").split()[2:])
@@ -161,7 +161,6 @@ def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_
         "ballast": [[-0.06, 0.006], [0.1, 0.007]],
         "ballast_density": 7850.0,
         "bed": (0.22, 0.22, 0.12),
-        "drain": 0.002,
         "o_ring": 0.0015,
         "sleeve": 0.0016,
         "lap": 0.008,
@@ -192,9 +191,9 @@ def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance(
     assert moment == pytest.approx(1e6 * target.mass * target.cog[0], abs=0.06 * grams + 0.005 * abs(x))
 
 
-def test_the_sheet_names_core_seal_and_holes():
+def test_the_sheet_names_core_and_seal():
     body = straight(8, 8, core="steel-20mm", clearance=0.006)
-    ring = sheet_of(body, o_ring=0.0015, drain=0.002)
+    ring = sheet_of(body, o_ring=0.0015)
     text = " ".join(ring.steps)
     assert "steel-20mm: ball of 20 mm, 32.80\u00a0g" in text
     assert "O-ring of 1.5\u00a0mm cord" in text and "glue" not in text
@@ -202,7 +201,6 @@ def test_the_sheet_names_core_seal_and_holes():
     assert "bottom 29.8\u00a0mm across, 0.8\u00a0mm of wall below it" in text
     # Stretched by 5 and by 1 %.
     assert dict(ring.shopping)["O-rings"] == "1 of 1.5\u00a0mm cord, 28.4 to 29.5\u00a0mm inside, and grease"
-    assert "holes of 2 mm at both ends" in text
     glued = sheet_of(straight(8, 8))
     assert [dict(sheet.shopping)["glue"].rpartition(", ")[2] for sheet in (ring, glued)] == ["for leaks", "for 1 joint"]
     assert "O-ring" not in " ".join(glued.steps)
@@ -316,7 +314,7 @@ def test_what_to_get_is_enough_for_the_parts_and_the_scale_for_the_agent():
 
 def test_each_step_has_a_drawing_of_the_parts_that_it_names():
     body = straight(22, 12, core="steel-20mm")
-    sheet = sheet_of(body, ballast=[[-0.06, 0.006]], bed=(0.22, 0.22, 0.12), drain=0.002)
+    sheet = sheet_of(body, ballast=[[-0.06, 0.006]], bed=(0.22, 0.22, 0.12))
     assert len(sheet.steps) == len(sheet.scenes) == len(set(sheet.scenes))
     root = ET.fromstring(draw_pages(sheet)[1])
     rules = [numbers(path.get("d"))[0, 1] for path in find(root, "rule")]

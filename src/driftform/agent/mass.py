@@ -1,16 +1,19 @@
 """Body -> mass, centre of gravity, inertia, displaced volume, centre of buoyancy (eq. 11 to 24, corrected)."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from driftform.agent.solids import solid_of_revolution
-from driftform.types import Body, MassProperties, Moments
+from driftform.types import Body, Detail, MassProperties, Moments
 
 
 def hull_moments(body: Body) -> Moments:
     """Return the volume integrals of the hull's material: outer contour less cavity and trim pockets, and its fittings."""
     holes = (body.cavity, *(pocket.contour() for pocket in body.pockets))
     wall = sum((Moments() - solid_of_revolution(hole) for hole in holes), solid_of_revolution(body.outer))
-    return wall + body.fittings.material
+    return sum((detail.moments for detail in body.fittings.details), wall + body.fittings.material)
 
 
 def hull_mass(body: Body) -> float:
@@ -19,8 +22,8 @@ def hull_mass(body: Body) -> float:
 
 
 def displaced_moments(body: Body) -> Moments:
-    """Return the volume integrals of what a body displaces: its outer contour, and its fittings, less the water in its trim pockets."""
-    displaced = solid_of_revolution(body.outer) + body.fittings.displaced
+    """Return the volume integrals of what a body displaces: its outer contour less the water in its trim pockets, without details."""
+    displaced = solid_of_revolution(body.outer)
     for pocket in body.pockets:
         water = solid_of_revolution(pocket.contour()) - solid_of_revolution(pocket.contour(pocket.filled))
         displaced = displaced - water
@@ -35,6 +38,9 @@ def mass_properties(body: Body) -> MassProperties:
     acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses, less what it
     loses under pressure. Water that stands in trim pockets neither weighs nor displaces anything, and its inertia is left out.
     """
+    if body.fittings.details:
+        bare = replace(body, fittings=replace(body.fittings, details=()))
+        return _add_details(mass_properties(bare), body.fittings.details, body.hull_density)
     hull, displaced = hull_moments(body), displaced_moments(body)
     core, (core_axial, core_transverse) = body.core, body.core.inertia
     ballast, density = body.ballast, body.ballast_density
@@ -56,3 +62,17 @@ def mass_properties(body: Body) -> MassProperties:
         volume=displaced.volume * (1 - body.squeeze),
         cob=np.array([displaced.centroid, 0.0, 0.0]),
     )
+
+
+def _add_details(bare: MassProperties, details: Sequence[Detail], density: float) -> MassProperties:
+    """Return mass properties with those of details of a density (kg/m3), which may lie anywhere round the axis."""
+    centre, displaced = np.array([1.0, *bare.cog]), bare.volume * np.array([1.0, *bare.cob])
+    whole = bare.mass * np.outer(centre, centre)
+    whole[1:, 1:] += np.trace(bare.inertia) / 2 * np.eye(3) - bare.inertia
+    for detail in details:
+        whole += density * detail.material
+        displaced += detail.displaced[0]
+    mass, cog = float(whole[0, 0]), whole[0, 1:] / whole[0, 0]
+    spread = whole[1:, 1:] - mass * np.outer(cog, cog)
+    inertia = np.trace(spread) * np.eye(3) - spread
+    return MassProperties(mass, cog, inertia, float(displaced[0]), displaced[1:] / displaced[0])

@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.agent.mass import hull_moments
 from driftform.agent.solids import solid_of_revolution
-from driftform.types import Agent, Body, Pocket
+from driftform.types import Agent, Body, Moments, Pocket
 
 
 @dataclass(frozen=True)
@@ -41,20 +41,18 @@ class MassElement:
     def of_hull(cls, body: Body, mass: float, x: float | None = None) -> "MassElement":
         """Return ``mass`` (kg) of hull, spread as its material is; about ``x`` (m), or about the centre of the material."""
         solid = hull_moments(body)
-        share = mass / solid.volume
-        return cls(
-            mass=mass,
-            x=solid.centroid if x is None else x,
-            axial=share * solid.polar,
-            transverse=share * (solid.transverse - solid.volume * solid.centroid**2),
-        )
+        return replace(cls._of_solid(solid, mass / solid.volume), mass=mass, x=solid.centroid if x is None else x)
 
     @classmethod
     def of_putty(cls, pocket: Pocket, filled: float | None = None) -> "MassElement":
         """Return the putty that fills a share of a trim pocket, from its tip on; by default that of the design."""
-        solid = solid_of_revolution(pocket.contour(pocket.filled if filled is None else filled))
+        share = pocket.filled if filled is None else filled
+        return cls._of_solid(solid_of_revolution(pocket.contour(share)), pocket.density)
+
+    @classmethod
+    def _of_solid(cls, solid: Moments, density: float) -> "MassElement":
         across = solid.transverse - solid.volume * solid.centroid**2
-        return cls(pocket.density * solid.volume, solid.centroid, pocket.density * solid.polar, pocket.density * across)
+        return cls(density * solid.volume, solid.centroid, density * solid.polar, density * across)
 
     @classmethod
     def of_print(cls, body: Body, mass: float, x: float | None = None) -> "tuple[MassElement, MassElement]":
@@ -75,8 +73,8 @@ class MassElement:
     def reweigh(agent: Agent, elements: "Iterable[MassElement]") -> Agent:
         """Return the agent with the mass properties of elements as one body (Steiner).
 
-        Its shape is unchanged, and so are its coefficients and what it displaces. Raises ValueError if their mass is
-        not above zero.
+        Its shape is unchanged, and so are its coefficients, what it displaces, and its moment across the axis. Raises ValueError
+        if their mass is not above zero.
         """
         elements = list(elements)
         mass = sum(element.mass for element in elements)
@@ -86,4 +84,5 @@ class MassElement:
         axial = sum(element.axial for element in elements)
         transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
         inertia = np.diag([axial, transverse, transverse])
-        return replace(agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=inertia))
+        aside = agent.mass.cog[1:] * (agent.mass.mass / mass)
+        return replace(agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, *aside]), inertia=inertia))

@@ -33,7 +33,7 @@ def complete_setting(incomplete: str) -> list[str]:
     """Complete a key of a study, with the equals sign after it."""
     from pydantic import BaseModel
 
-    from driftform.interfaces import SEAMS
+    from driftform.interfaces import NAMED
     from driftform.plugins.registry import registry
     from driftform.study.study import SELECTED, RunOptions
     from driftform.util.options import describe
@@ -45,7 +45,7 @@ def complete_setting(incomplete: str) -> list[str]:
         ("run.", RunOptions),
         *(("flow.", profile) for profile in FLOWS.values()),
     ]
-    for seam in (seam for seam in SEAMS if incomplete[: len(seam)] == seam[: len(incomplete)]):
+    for seam in (seam for seam in (*SELECTED, *NAMED) if incomplete[: len(seam)] == seam[: len(incomplete)]):
         above = f"{seam}." if seam in SELECTED else f"{seam}.{{}}."
         tables += [(above.format(p.name), p.cls.Options) for p in registry().seam(seam) if p.cls is not None]
     return _begin_with(incomplete, (f"{above}{row['option']}=" for above, model in tables for row in describe(model)))

@@ -77,6 +77,9 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     if pockets:
         least, most = (1000 * weight for weight in facts["trim_range"])
         rows.append(("trim pockets", f"{len(pockets)}, for {least:+.2f} to {most:+.2f} g of net weight"))
+    for one in facts["fittings"]:
+        drag = f"{1000 * one['mass']:+.3f} g; its drag, at most {1000 * one['drag_left_out']:.2g} mN at 0.1 m/s, added mass and contact are left out"
+        rows.append((one["name"], drag))
     rows += [
         ("at rest", _describe_rest(facts["rest"])),
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),

@@ -9,7 +9,7 @@ from driftform.cli.help import Command, make_group
 from driftform.cli.options import Json, make_option
 
 KINDS = (
-    "grammar, builder, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
+    "grammar, builder, fitting, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
     "renderer, checker, commands or scenarios"
 )
 

@@ -18,7 +18,7 @@ from driftform.motion.path.stability import stable_rest
 from driftform.pipeline import Pipeline
 from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry
-from driftform.types import Agent, FloatArray
+from driftform.types import Agent, Body, Detail, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import Factors
 from driftform.water.fittings import fitting_array, wall_array
@@ -82,6 +82,7 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "ballast_mass": body.ballast.volume * body.ballast_density,
         "pockets": [{**asdict(pocket), "putty": MassElement.of_putty(pocket).mass} for pocket in body.pockets],
         "trim_range": body.trim_range(fluid.density),
+        "fittings": [_describe_detail(detail, body, fluid) for detail in body.fittings.details],
         "volume": mass.volume,
         "net_buoyancy": net,
         "cog": mass.cog,
@@ -105,6 +106,17 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "sensitivity": _measure_sensitivity(pipeline, agent, name, target),
         "warnings": _list_warnings(agent, pipeline.scenario, float((own + added)[2, 2]), lambda_max),
     }
+
+
+_BLUNT, _SLIP = 2.0, 0.1
+"""Drag coefficient of a long plate across the flow, no less than that of other blunt shapes (Hoerner 1965, Fluid-Dynamic Drag,
+section 3.4); and a speed through the water, m/s."""
+
+
+def _describe_detail(detail: Detail, body: Body, fluid: Fluid) -> dict[str, Any]:
+    """Return mass (kg) of a fitting, and the most drag (N) at 0.1 m/s that the flow model leaves out."""
+    mass, drag = body.hull_density * detail.moments.volume, 0.5 * fluid.density * _BLUNT * detail.area * _SLIP**2
+    return {"name": detail.name, "mass": mass, "drag_left_out": drag}
 
 
 def describe_calibration(calibration: Calibration) -> dict[str, dict[str, float | None]]:

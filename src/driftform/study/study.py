@@ -21,6 +21,7 @@ from driftform.errors import DriftformError, InputError, did_you_mean
 from driftform.interfaces import (
     NAMED,
     SEAMS,
+    WITHIN,
     Begin,
     Checker,
     Exporter,
@@ -66,7 +67,7 @@ NOT_FLOWN = ("strategy", "run")
 FORMER = ("inspector", "reporter")
 """The tables that runs of 0.2.0 hold without content, of seams that there were then."""
 
-SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
+SELECTED = tuple(seam for seam in SEAMS if seam not in (*NAMED, *WITHIN))
 """The seams for which a study selects one plugin."""
 
 MAX_EVALUATIONS = 10_000_000
@@ -323,7 +324,7 @@ def load_study(
 def _check_document(
     document: Mapping[str, Any], layers: Sequence[Source], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
-    known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
+    known = {"title", "description", "base", "run", *Scenario.model_fields, *SELECTED, *NAMED}
     errors = [
         f"{locate_key(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
         for key in document

@@ -29,6 +29,7 @@ from driftform.testing.checker import CheckerContract as CheckerContract  # noqa
 from driftform.testing.commands import CommandsContract as CommandsContract  # noqa: E402
 from driftform.testing.exporter import ExporterContract as ExporterContract  # noqa: E402
 from driftform.testing.fitness import FitnessContract as FitnessContract  # noqa: E402
+from driftform.testing.fitting import FittingContract as FittingContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract as GrammarContract  # noqa: E402
 from driftform.testing.hydrodynamics import HydrodynamicsContract as HydrodynamicsContract  # noqa: E402
 from driftform.testing.recorder import RecorderContract as RecorderContract  # noqa: E402

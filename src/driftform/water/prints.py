@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from driftform.agent.distance import offset_contour
 from driftform.agent.mass import hull_mass, mass_properties
-from driftform.types import Body, Fittings
+from driftform.types import Body
 from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid
 
@@ -59,5 +59,5 @@ def _immerse(condition: Condition, body: Body) -> Body:
 
 def _scale(body: Body, factor: float) -> Body:
     """Return the body with all lengths of its hull multiplied by a factor, those of its fittings too."""
-    fittings = Fittings(body.fittings.material.scale(factor), body.fittings.displaced.scale(factor))
-    return replace(body, outer=factor * body.outer, cavity=factor * body.cavity, fittings=fittings)
+    outer, cavity = factor * body.outer, factor * body.cavity
+    return replace(body, outer=outer, cavity=cavity, fittings=body.fittings.scale(factor))

@@ -8,7 +8,7 @@ from driftform import hookimpl
 if TYPE_CHECKING:
     import typer
 
-    from driftform.interfaces import Exporter, Grammar, Hydrodynamics, PhenotypeBuilder, ReportJob
+    from driftform.interfaces import Exporter, Fitting, Grammar, Hydrodynamics, PhenotypeBuilder, ReportJob
 
 
 @hookimpl
@@ -18,6 +18,14 @@ def driftform_builder() -> "list[type[PhenotypeBuilder[Any]]]":
     from driftform_frusta.own.builder import ProfileBuilder
 
     return [FrustaBuilder, ProfileBuilder]
+
+
+@hookimpl
+def driftform_fitting() -> "type[Fitting[Any]]":
+    """An eyelet."""
+    from driftform_frusta.eyelet import Eyelet
+
+    return Eyelet
 
 
 @hookimpl

@@ -17,6 +17,7 @@ from driftform.interfaces import PhenotypeBuilder, Printer, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform.water import Fluid
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM, BallastOptions
+from driftform_frusta.fitting_choice import FittingChoice
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.load import LESS, SPARE, WATER, Load, find_max_ballast, list_loads, name_ball, place_ballast
 from driftform_frusta.materials import MATERIALS, find_expansion, find_material
@@ -99,6 +100,9 @@ class FrustaOptions(Table):
     )
     ballast: BallastOptions = option(BallastOptions(), "ballast that may be added")
     pockets: PocketOptions = option(PocketOptions(), "trim pockets")
+    fittings: tuple[FittingChoice, ...] = option(
+        (), "what is fitted to the hull, each by the name of its plugin, `use`, and its options, such as an eyelet"
+    )
     pressure: float = option(0.0, _PRESSURE, "Pa", ge=0, le=1e8)
     safety: float = option(2.0, "factor on `pressure`", ge=1, le=100)
     line_width: float = option(Printer().nozzle, "width of a printed line, that of the nozzle", "m", ge=1e-5, le=0.01)
@@ -354,6 +358,11 @@ def _build_loaded(o: FrustaOptions, morphology: Morphology, added: float) -> Bod
         low, high = (1000 * mass for mass in _find_range(loads))
         raise ValueError(f"{1000 * added:.4g} g cannot be added to this hull: it takes {low:.4g} to {high:.4g} g")
     body = chosen.add_to(_draw(o, morphology), added)
+    if details := body.fittings.details:
+        # Another cavity leaves another share of them in the wall.
+        from driftform_frusta.fittings import measure_details
+
+        body = measure_details(body, [(detail.name, detail.added, detail.removed) for detail in details])
     held = (name_ball(body.ballast),) if body.ballast.volume else ()
     return replace(body, fittings=_measure_fittings(o, body, held))
 
@@ -417,10 +426,15 @@ def _draw_hull(o: FrustaOptions, core: Core, over: float | FloatArray, chains: F
     )
     if o.pressure:
         body = replace(body, cavity=thicken_ends(body, o.clearance, o.safety * o.pressure, o.line_width))
-    if not o.pockets.diameter:
+    if o.pockets.diameter:
+        pockets = place_pockets(body, o.pockets)
+        body = replace(body, pockets=pockets, cavity=clear_cavity(body.cavity, pockets, o.wall))
+    if not o.fittings:
         return body
-    pockets = place_pockets(body, o.pockets)
-    return replace(body, pockets=pockets, cavity=clear_cavity(body.cavity, pockets, o.wall))
+    # Solids take a while to import, and most bodies have no fittings.
+    from driftform_frusta.fittings import fit_hull
+
+    return fit_hull(body, [choice.make() for choice in o.fittings])
 
 
 def _place_core(o: FrustaOptions) -> tuple[Core, float | FloatArray, tuple[float, float]]:
@@ -437,7 +451,7 @@ def _place_core(o: FrustaOptions) -> tuple[Core, float | FloatArray, tuple[float
 def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()) -> Fittings:
     """Return what the kit of a body has in addition to the wall, with seats for some balls; nothing for a hull in one piece."""
     if o.kit is None:
-        return Fittings()
+        return bare.fittings
     # The sections of parts take a while to import, and most studies weigh the hull in one piece.
     from driftform_frusta.parts import find_maker
 

@@ -35,7 +35,10 @@ class Revolve:
 
 @dataclass(frozen=True)
 class Extrude:
-    """A section in the plane z = 0, given as for :class:`Revolve` by points (x, y), lifted from there to ``height``."""
+    """A section in the plane z = 0 that is lifted from there to ``height``: a plate, such as a fin.
+
+    ``outline`` and ``holes`` are as those of :class:`Revolve`, of points (x, y).
+    """
 
     outline: tuple[Point, ...]
     holes: tuple[tuple[Point, ...], ...]
@@ -74,7 +77,7 @@ class Translate:
 
 @dataclass(frozen=True)
 class Rotate:
-    """The child turned about the fixed x, y and z axes, in this order, as OpenSCAD's ``rotate`` does."""
+    """The child turned by ``angles_deg`` about the fixed x, y and z axes, in this order, as OpenSCAD's ``rotate`` does."""
 
     angles_deg: Vector
     child: "Node"

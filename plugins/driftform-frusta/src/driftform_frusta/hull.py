@@ -43,6 +43,11 @@ def hull_volume(body: Body) -> float:
     return wall_moments(body).volume
 
 
+def printed_volume(body: Body) -> float:
+    """Return the volume of the material of the hull in one piece, m3: its wall and its details."""
+    return hull_volume(body) + sum(detail.moments.volume for detail in body.fittings.details)
+
+
 def build_hull(body: Body) -> Node:
     """Return the hull as its meridian section revolved: outer contour less cavity; errors as of :func:`read_contours`."""
     outer, cavity = read_contours(body)
@@ -119,13 +124,13 @@ def check_printable_section(body: Body) -> None:
         )
 
 
-def refuse_other_volume(volume: float, expected: float, what: str) -> None:
+def refuse_other_volume(volume: float, expected: float, what: str, tolerance: float = _VOLUME_TOLERANCE) -> None:
     """Compare the volume of a solid, mm3, with that of its section in closed form, m3.
 
     Raises WorkFailedError if they differ.
     """
     closed_form = expected * MM3_PER_M3
-    if not abs(volume - closed_form) <= _VOLUME_TOLERANCE * closed_form:
+    if not abs(volume - closed_form) <= tolerance * closed_form:
         raise WorkFailedError(
             f"the solid of the {what} has {volume:.3f} mm3, its section {closed_form:.3f} mm3: a contour "
             "crosses itself or the axis, or the cavity leaves the outer contour"

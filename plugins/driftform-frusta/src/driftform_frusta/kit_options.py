@@ -63,21 +63,15 @@ class KitOptions(Table):
         "one or two balls of ballast that get a seat: x of the centre of each, from that of the core, and its diameter",
         "m",
     )
-    drain: float = option(
-        0.0,
-        "diameter of holes on the axis through both ends, to fill and to drain the hull; 0: no holes",
-        "m",
-        ge=0,
-        le=0.02,
-    )
 
     @model_validator(mode="before")
     @classmethod
     def _drop_what_older_runs_left_out(cls, values: object) -> object:
-        """Options of a text on the parts are stated in runs and files of 0.2.0, most often without one."""
-        if isinstance(values, Mapping) and not values.get("engrave"):
-            return {key: value for key, value in values.items() if not str(key).startswith("engrave")}
-        return values
+        """Options of texts, drains and brims are stated in runs and files of 0.2.0, most often as not asked for."""
+        if not isinstance(values, Mapping):
+            return values
+        unasked = tuple(name for name in ("engrave", "drain", "brim") if not values.get(name))
+        return {key: value for key, value in values.items() if not str(key).startswith(unasked)}
 
     @field_validator("bed", "ballast", mode="before")
     @classmethod
@@ -124,13 +118,6 @@ class PartOptions(KitOptions):
     )
     ballast_density: float = option(
         STEEL, "density of the balls of ballast, which the assembly sheet weighs", "kg/m3", ge=100, le=30_000
-    )
-    brim: float = option(
-        0.0,
-        "width of a brim of one layer that is part of the parts of a kit which need one; 0: the slicer makes it",
-        "m",
-        ge=0,
-        le=0.05,
     )
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
     layer_height: float = option(

@@ -2,7 +2,7 @@
 
 The source follows the builder of ``frusta``: the chains of modules and a dome over the core are united, and the
 cavity is their inward offset by the wall, with the room of the core. The solid that it renders to is computed here by
-the same steps, and compared with the body. A body made in another way is written as its two contours instead.
+the same steps, and compared with the body.
 """
 
 import math
@@ -14,10 +14,10 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
 from driftform.agent import solid_of_revolution
-from driftform.types import Agent, Body, FloatArray, Module
+from driftform.types import Agent, Body, Module
 from driftform_frusta.csg import MM
-from driftform_frusta.hull import hull_volume, list_pockets
-from driftform_frusta.scad import fill_source, format_number
+from driftform_frusta.hull import hull_volume
+from driftform_frusta.scad import fill_source, format_number, write_definitions
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
@@ -40,36 +40,36 @@ class Row:
     fore: float
 
 
-def hull_source(agent: Agent, segments: int, title: str) -> str:
+def hull_source(agent: Agent, segments: int, title: str) -> str | None:
     """Return OpenSCAD source that renders to the sealed hull of an agent, mm, fore end up, its lowest point at z = 0.
 
-    ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4.
+    ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4; ``None`` for a body that
+    was made in another way.
     """
     body = agent.body
     # Both chains start from the dome at the core's equator.
     clearance = MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
     rows, aft = _tabulate_modules(agent)
-    if rows is not None and not body.core.contour and _renders_to_hull(body, rows, aft, clearance):
-        geometry = _modules_text(body, rows, aft, clearance)
-        summary = f"{len(rows)} module{'s' if len(rows) != 1 else ''} and a dome over the core"
-    else:
-        geometry = _contours_text(body)
-        summary = "a section, revolved"
-    top, _, rest = geometry.partition("//---\n")
+    if rows is None or body.core.contour or not _renders_to_hull(body, rows, aft, clearance):
+        return None
+    count = f"{len(rows)} module{'s' if len(rows) != 1 else ''}"
     size = f"{1000 * body.length:.1f} mm long, {1000 * body.max_diameter:.1f} mm in diameter"
-    return (
-        f"// {' '.join(title.split())}: {summary}, {size}.\n"
-        "// Written by driftform. Lengths in millimetres; the axis is z, the fore end is up.\n\n"
-        "/* [View] */\n"
-        "section = false;    // cut open along the axis\n"
-        "show_core = true;   // the core as a ghost, in the preview only\n\n"
-        f"{top}\n"
-        "/* [Mesh] */\n"
-        f"$fn = {segments};           // corners of every circle\n\n"
-        "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
-        "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n\n"
-        f"{rest}"
-        f"{fill_source('revolved', shape=draw_core(body))}"
+    table = ",\n".join(
+        f'    ["{row.name}",{" " * (8 - len(row.name))}{row.length:10.6f}, {row.aft:10.6f}, {row.fore:10.6f}]'
+        for row in rows
+    )
+    return fill_source(
+        "modules",
+        title=" ".join(title.split()),
+        summary=f"{count} and a dome over the core, {size}",
+        definitions=write_definitions("area_factor", segments),
+        wall=format_number(MM * body.wall),
+        clearance=format_number(clearance),
+        core=format_number(MM * body.core.radius),
+        rows=table,
+        aft=aft,
+        step=format_number(math.degrees(DOME_STEP)),
+        shape=draw_core(body),
     )
 
 
@@ -137,34 +137,3 @@ def _renders_to_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float
     expected = 1e9 * hull_volume(body)
     sizes = np.array([high - low, 2 * right]) - MM * np.array([body.length, body.max_diameter])
     return bool(abs(rendered - expected) <= _TOLERANCE * expected and np.abs(sizes).max() < 1e-4)
-
-
-def _modules_text(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> str:
-    table = ",\n".join(
-        f'    ["{row.name}",{" " * (8 - len(row.name))}{row.length:10.6f}, {row.aft:10.6f}, {row.fore:10.6f}]'
-        for row in rows
-    )
-    return fill_source(
-        "modules",
-        wall=format_number(MM * body.wall),
-        clearance=format_number(clearance),
-        core=format_number(MM * body.core.radius),
-        rows=table,
-        aft=aft,
-        step=format_number(math.degrees(DOME_STEP)),
-    )
-
-
-def _contours_text(body: Body) -> str:
-    def points(contour: FloatArray) -> str:
-        return ",\n".join(f"    [{format_number(r)}, {format_number(z)}]" for z, r in (MM * contour).tolist())
-
-    pockets = [contour / MM + (body.outer[0, 0], 0.0) for contour in list_pockets(body)]
-    return fill_source(
-        "contours",
-        core=format_number(MM * body.core.radius),
-        height=format_number(-MM * float(body.outer[:, 0].min())),
-        outside=points(body.outer),
-        hollow=points(body.cavity),
-        pockets=",\n".join(f"  [\n{points(pocket)}\n  ]" for pocket in pockets),
-    )

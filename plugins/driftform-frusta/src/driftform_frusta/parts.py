@@ -8,11 +8,12 @@ from types import ModuleType
 from driftform.errors import InputError
 from driftform.types import Body
 from driftform_frusta.cores import is_sold
-from driftform_frusta.csg import Node
-from driftform_frusta.hull import build_printable_hull
+from driftform_frusta.csg import MM, Node, Translate
+from driftform_frusta.fittings import add_details
+from driftform_frusta.hull import build_printable_hull, printed_volume, refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.load import name_ball
-from driftform_frusta.solid import Solid
+from driftform_frusta.solid import Solid, to_solid
 
 KIT_FILE = "kit.json"
 """Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
@@ -71,4 +72,11 @@ def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     if options.kit:
         parts: tuple[Part, ...] = find_maker().make_parts(body, options)
         return parts
-    return (Part("hull", *build_printable_hull(body, options.segments)),)
+    tree, solid = build_printable_hull(body, options.segments)
+    if body.fittings.details:
+        lift = MM * float(body.outer[:, 0].min())
+        fitted = add_details(Translate((0.0, 0.0, lift), tree), body.fittings.details)
+        tree = Translate((0.0, 0.0, -lift), fitted)
+        solid = to_solid(tree, options.segments)
+        refuse_other_volume(solid.volume, printed_volume(body), "hull with its fittings", 1e-4)
+    return (Part("hull", tree, solid),)

@@ -175,7 +175,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     """
     vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     for profile in profiles:
-        for line, closed in _split_at_axis(profile):
+        for line, closed in split_at_axis(profile):
             mesh = Mesh.revolve(line, segments, closed)
             vertices.append(mesh.vertices)
             triangles.append(mesh.triangles + count)
@@ -184,7 +184,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     return Solid(np.concatenate(vertices), np.concatenate(triangles), shells=np.array(shells))
 
 
-def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
+def split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
     """Split a profile where it is on the axis: lines from pole to pole, or itself, a ring, where it never is."""
     poles = np.flatnonzero(profile[:, 0] == 0)
     if not len(poles):
@@ -196,6 +196,18 @@ def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
     for start, end in pairwise(ends):
         if end - start > 1:
             yield turned[start : end + 1], False
+
+
+def integrate_solid(solid: Manifold) -> FloatArray:
+    """Return the integral of h h^T over a solid, with h = (1, x, y, z), (4, 4), in its unit of length."""
+    mesh = solid.to_mesh64()
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
+    # Tetrahedra between the triangles and the origin.
+    points = np.zeros((len(corners), 4, 4))
+    points[:, :, 0], points[:, :3, 1:] = 1.0, corners
+    total = points.sum(axis=1)
+    products = np.einsum("ni,nj->nij", total, total) + np.einsum("nki,nkj->nij", points, points)
+    return np.asarray(np.einsum("n,nij->ij", np.linalg.det(corners) / 120, products))
 
 
 def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None) -> Mesh:

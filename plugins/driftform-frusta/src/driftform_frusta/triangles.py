@@ -1,6 +1,7 @@
-"""Triangle meshes: revolving a meridian, area and volume, shared vertices, and the text and bytes of STL and OBJ."""
+"""Triangle meshes: revolving a meridian, area and volume, shared vertices, the bytes of STL, and the text of OBJ."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
@@ -97,19 +98,6 @@ class Mesh:
         return _area_vectors(self._corners(self.vertices)).T
 
     @property
-    def vertex_normals(self) -> FloatArray:
-        """Outward unit normals of the vertices, (n, 3): the mean of the triangles around each, weighted by area.
-
-        A vertex without a triangle, and the tip of a needle around which the normals cancel, have that of the z axis.
-        """
-        normals = np.zeros((len(self.vertices), 3))
-        for corner in self.triangles.T:
-            np.add.at(normals, corner, self.area_vectors)
-        lengths = _lengths(normals.T)[:, None]
-        upward: FloatArray = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
-        return np.divide(normals, lengths, out=upward, where=lengths > 0)
-
-    @property
     def area(self) -> float:
         """Of the surface, in the square of the unit."""
         return float(_lengths(_area_vectors(self._corners(self.vertices))).sum())
@@ -153,26 +141,26 @@ class Mesh:
         facets["corners"] = corners.transpose(2, 0, 1)
         return _STL_HEADER + len(facets).to_bytes(4, "little") + facets.tobytes()
 
-    def to_obj(self, first: int = 1) -> str:
-        """Return the lines of an OBJ file: ``v`` and ``vn`` for each vertex, ``f`` for each triangle.
-
-        Gazebo's physics refuses a mesh that has not one normal for each vertex. Format: Wavefront Technologies, "Object
-        Files (.obj)", Advanced Visualizer manual, appendix B1; with nine digits, which bring back the same number in
-        single precision. ``first`` is the number of the first vertex in the file: 1 plus the vertices of the meshes before.
-        """
-        points, normals = ((array + 0.0).ravel().tolist() for array in (self.vertices, self.vertex_normals))
-        corners = np.repeat(self.triangles.ravel() + first, 2).tolist()
-        return (
-            "v %.9g %.9g %.9g\n" * len(self.vertices) % tuple(points)
-            + "vn %.5g %.5g %.5g\n" * len(self.vertices) % tuple(normals)
-            + "f %d//%d %d//%d %d//%d\n" * len(self.triangles) % tuple(corners)
-        )
-
     def _corners(self, vertices: npt.NDArray[Any]) -> FloatArray:
         """The triangles' corners in double precision, (3 corners, 3 coordinates, m): numpy is quick along long rows."""
         rows = np.ascontiguousarray(vertices.T, dtype=np.float64)
         index = np.ascontiguousarray(self.triangles.T)
         return np.stack([row[index] for row in rows], axis=1)
+
+
+def write_obj(meshes: Mapping[str, Mesh], unit: str) -> str:
+    """Return the text of an OBJ file of meshes by their names, with a normal for each vertex: Gazebo's physics refuses others."""
+    import trimesh
+    from trimesh.exchange.obj import export_obj
+
+    scene: Any = trimesh.Scene()
+    for name, mesh in meshes.items():
+        made = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+        scene.add_geometry(made, geom_name=name.replace(" ", "_"))
+    look = {"include_color": False, "include_texture": False}
+    export: Any = export_obj
+    text: str = export(scene, include_normals=True, digits=9, header=f"driftform, lengths in {unit}", **look)
+    return text.replace("\n\n", "\n").strip() + "\n"
 
 
 def area_factor(segments: int) -> float:

@@ -37,23 +37,11 @@ _STATIONS = 240
 _SLICES = 2000
 
 
-@dataclass(frozen=True)
-class RequiredBallast:
-    """Ballast of ``mass`` (kg), negative for buoyancy, at ``x`` (m); ``moment`` is mass times x, kg m."""
-
-    mass: float
-    moment: float
-
-    @property
-    def x(self) -> float | None:
-        """Position of its centre, m; ``None`` if the mass is negligible."""
-        return None if abs(self.mass) < NEGLIGIBLE else self.moment / self.mass
-
-
-def required_ballast(simulated: MassProperties, printed: MassProperties) -> RequiredBallast:
-    """Return the mass and the moment that the printed agent lacks."""
-    moment = simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0]
-    return RequiredBallast(simulated.mass - printed.mass, float(moment))
+def required_ballast(simulated: MassProperties, printed: MassProperties) -> MassElement:
+    """Return what the printed agent lacks, of negative mass if that is buoyancy; a negligible mass is at 0."""
+    mass = simulated.mass - printed.mass
+    moment = float(simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0])
+    return MassElement(mass, 0.0 if abs(mass) < NEGLIGIBLE else moment / mass)
 
 
 @dataclass(frozen=True)
@@ -83,24 +71,19 @@ def name_material(density: float) -> str:
     return next(named, f"{density:g} kg/m3")
 
 
-def ball_mass(diameter: float, density: float) -> float:
-    """Return the mass (kg) of a ball of that diameter (m) and density (kg/m3)."""
-    return float(np.pi / 6 * density * diameter**3)
-
-
-def place_one_ball(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+def place_one_ball(body: Body, wanted: MassElement, density: float) -> tuple[Piece, ...]:
     """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
 
     The density is that of the ballast, kg/m3.
     """
-    if not _can_hold(body, wanted) or wanted.x is None:
+    if not _can_hold(body, wanted):
         return ()
     piece = make_ball(wanted.mass, wanted.x, density)
     room = max_ball_radius(body, np.array([wanted.x]))
     return (piece,) if room[0] >= piece.element.x - piece.start else ()
 
 
-def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: bool = False) -> tuple[Piece, ...]:
+def place_filling(body: Body, wanted: MassElement, density: float, nearest: bool = False) -> tuple[Piece, ...]:
     """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if none fits.
 
     It is at least :data:`MIN_FILLING` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
@@ -111,7 +94,7 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
 
     if not _can_hold(body, wanted):
         return ()
-    bore, volume, x = _Bore(body), wanted.mass / density, wanted.moment / wanted.mass
+    bore, volume, x = _Bore(body), wanted.mass / density, wanted.x
     free = float(bore.before[-1])
     if volume > free:
         return ()
@@ -132,7 +115,7 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
     return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
 
 
-def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+def place_by_hand(body: Body, wanted: MassElement, density: float) -> tuple[Piece, ...]:
     """Return ballast that can be fixed without a seat, of the wanted mass and as near as possible to the wanted place.
 
     A little is a ring of putty on the wall, and more is a filling of the bore; empty if neither fits.
@@ -141,19 +124,19 @@ def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[
         return found
     if not _can_hold(body, wanted):
         return ()
-    places = sorted(_stations(body), key=lambda x: abs(x - wanted.moment / wanted.mass))
-    rings = (place_ring(body, RequiredBallast(wanted.mass, wanted.mass * float(x))) for x in places)
+    places = sorted(_stations(body), key=lambda x: abs(x - wanted.x))
+    rings = (place_ring(body, MassElement(wanted.mass, float(x))) for x in places)
     return next((ring for ring in rings if ring), place_filling(body, wanted, density, nearest=True))
 
 
-def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
+def place_ring(body: Body, wanted: MassElement) -> tuple[Piece, ...]:
     """Return a ring of epoxy putty on the wall, as thick as it is wide, of the wanted mass and moment; empty if it has no room.
 
     It leaves half of the bore's radius free.
     """
     from scipy.optimize import brentq
 
-    if not _can_hold(body, wanted) or wanted.x is None:
+    if not _can_hold(body, wanted):
         return ()
     x, volume = wanted.x, wanted.mass / PUTTY
     bore = float(np.interp(x, body.cavity[:, 0], body.cavity[:, 1]))
@@ -169,7 +152,7 @@ def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
     return (Piece(element, start, end, None, wanted.mass, thick),)
 
 
-def _can_hold(body: Body, wanted: RequiredBallast) -> bool:
+def _can_hold(body: Body, wanted: MassElement) -> bool:
     return bool(len(body.cavity)) and wanted.mass >= NEGLIGIBLE
 
 
@@ -179,15 +162,9 @@ def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
     How a ball gets there is up to the kit.
     """
     aft, fore = body.core.ends
-    free = np.minimum(_distance_to_wall(body, x), np.maximum(aft - x, x - fore))
-    return np.asarray(np.maximum(free, 0.0), dtype=np.float64)
-
-
-def _distance_to_wall(body: Body, x: FloatArray) -> FloatArray:
-    """Return the distance (m) of points on the axis, (n,), from the cavity's wall; 0 outside the cavity."""
-    on_axis = np.column_stack((x, np.zeros_like(x)))
     inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
-    return np.asarray(np.where(inside, distance_from(on_axis, body.cavity), 0.0), dtype=np.float64)
+    wall = np.where(inside, distance_from(np.column_stack((x, np.zeros_like(x))), body.cavity), 0.0)
+    return np.asarray(np.maximum(np.minimum(wall, np.maximum(aft - x, x - fore)), 0.0))
 
 
 def _stations(body: Body) -> FloatArray:

@@ -12,7 +12,7 @@ from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State, WrittenFile
 from driftform.util import files
-from driftform_frusta.hull import hull_volume
+from driftform_frusta.hull import printed_volume
 from driftform_frusta.parts import KIT_FILE
 from driftform_kit.settings import list_kit_settings, read_kit_settings
 
@@ -109,7 +109,7 @@ def check_design(
         written = {name: write_files(made, name, Path(folder)) for name in formats}
         source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
         # The parts of a kit hold other material than the hull.
-        volume = (sum_volumes(written[format]) if kit else None) or hull_volume(made.agent.body)
+        volume = (sum_volumes(written[format]) if kit else None) or printed_volume(made.agent.body)
         paths = tuple(Path(file.path) for file in written[format])
         job = PrintJob(paths, printer, made.export_job(), volume, source)
         return list_findings(job, made.study, programs, on_program)
@@ -156,7 +156,7 @@ def check_file(
                 settings = [*settings, *list_kit_settings((format,), job.printer)]
             design = open_agent(str(known), *settings)
             study = design.study
-            volume = hull_volume(design.agent.body)
+            volume = printed_volume(design.agent.body)
             if kit:
                 # In a format that holds one solid there is a file for each part.
                 written = write_files(design, format, folder)

@@ -31,21 +31,11 @@ MAX_DEVIATION = 0.2
 """Largest deviation of a net weight, relative to the mass of the agent: more was weighed in air, or in another unit."""
 
 
-def find_net_weight(agent: Agent, fluid: Fluid) -> float:
-    """Return mass less that of the displaced fluid, kg; positive for what sinks."""
-    return agent.mass.mass - fluid.density * agent.mass.volume
-
-
 def find_reading(agent: Agent, fluid: Fluid, celsius: float) -> float:
     """Return the net weight (kg) that an agent of the design shows in a bucket of the fluid at a temperature, degrees C."""
     body, volume = agent.body, agent.mass.volume / (1 - agent.body.squeeze)
     warmed = volume * (1 + body.expansion * (celsius - fluid.celsius)) ** 3
     return agent.mass.mass - fluid.density_at(celsius) * warmed
-
-
-def weigh_added(missing: float, fluid_density: float) -> dict[str, float]:
-    """Return the mass (kg) of each of :data:`ADDED` that weighs ``missing`` (kg) under water: it displaces water too."""
-    return {name: missing / (1 - fluid_density / density) for name, density in ADDED.items() if density > fluid_density}
 
 
 def share_putty(body: Body, missing: float, fluid_density: float, x: float) -> list[tuple[MassElement, Pocket]]:
@@ -68,13 +58,6 @@ def share_putty(body: Body, missing: float, fluid_density: float, x: float) -> l
         lacking = [first, lacking[1] - first]
     masses = [min(max(mass, low), high) for mass, (low, high) in zip(lacking, rooms, strict=True)]
     return [(MassElement(mass, at), p) for mass, at, p in zip(masses, places, pockets, strict=True)]
-
-
-def list_readings(
-    agent: Agent, fluid: Fluid, degrees: tuple[float, ...] = (5.0, 10.0, 15.0, 20.0, 25.0)
-) -> dict[float, float]:
-    """Return the wanted net weight (kg) by the temperature of the bucket, degrees C."""
-    return {celsius: find_reading(agent, fluid, celsius) for celsius in degrees}
 
 
 def trim_in_water(design: Design, net_weight: float, celsius: float | None = None) -> dict[str, Any]:
@@ -111,7 +94,7 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
         "water_celsius": celsius,
         "water_density": density,
         "wanted_net_weight": wanted,
-        "flight_net_weight": find_net_weight(agent, fluid),
+        "flight_net_weight": agent.mass.mass - fluid.density * agent.mass.volume,
         "flight_celsius": fluid.celsius,
         "missing": missing,
         "pockets": [
@@ -120,7 +103,10 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
         ],
         "moved": float(off.mass.cog[0] - agent.mass.cog[0]) if changes else 0.0,
         "rest": rest,
-        "added": weigh_added(rest, density) if rest >= SCALE / 2 else {},
+        # What is added displaces water too.
+        "added": {
+            name: rest / (1 - density / heavy) for name, heavy in ADDED.items() if heavy > density and rest >= SCALE / 2
+        },
         "foam": -rest / (density - FOAM) if rest <= -SCALE / 2 else 0.0,
         **fly_cases(design, cases),
     }

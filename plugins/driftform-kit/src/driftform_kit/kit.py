@@ -8,9 +8,10 @@ import numpy as np
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
 from driftform.types import Body
+from driftform_frusta.cores import make_ball
 from driftform_frusta.kit_options import KitOptions, PartOptions
-from driftform_kit.ballast import ball_mass, name_material
-from driftform_kit.cutting.accounting import kit_mass, measure_flooding, piece_mass, weigh_kit
+from driftform_kit.ballast import name_material
+from driftform_kit.cutting.accounting import kit_mass, piece_mass, weigh_kit
 from driftform_kit.cutting.coupon import describe_coupon
 from driftform_kit.cutting.joint import find_seal
 from driftform_kit.cutting.meridian import MM
@@ -71,8 +72,8 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
     ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
     gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the one printed with full flow, and of that
-    with its ballast, printed with the flow that the ballast is for (:class:`KitWeight`). With holes also ``flooded_kg``, the mass of the
-    water that enters through an open hole. Of the fit coupon, under ``coupon``, what it is for.
+    with its ballast, printed with the flow that the ballast is for (:class:`KitWeight`).
+    Of the fit coupon, under ``coupon``, what it is for.
     """
     body = job.agent.body
     if options.coupon:
@@ -85,7 +86,7 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
             {
                 "name": piece.name,
                 "mass_kg": piece_mass(piece, body.hull_density),
-                "height_mm": float(np.ptp(np.concatenate(piece.rings)[:, 1])),
+                "height_mm": float(np.ptp(piece.mesh.bounds[:, 2])),
                 "bed_end": piece.bed_end,
             }
             for piece in kit.pieces
@@ -99,14 +100,12 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
                 "part": ball.part,
                 "held_by": ball.held_by,
                 "material": name_material(options.ballast_density),
-                "mass_kg": ball_mass(ball.diameter, options.ballast_density),
+                "mass_kg": make_ball(options.ballast_density, ball.diameter).mass,
             }
             for ball in report_kit(body, options).held
         ],
         "balance": _list_balances(job, kit, options),
     }
-    if options.drain:
-        facts["flooded_kg"] = measure_flooding(kit, body, job.scenario.fluid.density)
     return {"kit": facts}
 
 

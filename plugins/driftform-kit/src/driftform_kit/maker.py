@@ -1,21 +1,27 @@
 """Functions of kits for the builder and the exporters of driftform-frusta: parts, fittings, facts and sheet."""
 
+from manifold3d import Manifold, OpType
+
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Body
 from driftform_frusta.csg import MM, Named, Revolve, Translate
+from driftform_frusta.fittings import add_details
 from driftform_frusta.hull import refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
 from driftform_frusta.solid import to_solid
-from driftform_kit.cutting.accounting import measure_fittings, place_ballast
-from driftform_kit.cutting.bayonet import add_details
+from driftform_kit.cutting.accounting import kit_moments, measure_fittings, place_ballast
 from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
-from driftform_kit.cutting.pieces import Piece, add_brim, make_kit
+from driftform_kit.cutting.pieces import Piece, make_kit
 from driftform_kit.kit import list_facts
 
 __all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast"]
+
+
+_MEETS = 1e-4
+"""Relative difference of volumes that facets explain."""
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
@@ -23,20 +29,23 @@ def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
 
     Raises WorkFailedError if no kit can be made of the body; the message has the reason.
     """
-    lift = -MM * float(body.outer[:, 0].min())
-    return tuple(_make_part(piece, lift, options) for piece in make_kit(body, options).pieces)
+    lift, kit = -MM * float(body.outer[:, 0].min()), make_kit(body, options)
+    parts = tuple(_make_part(piece, lift, options) for piece in kit.pieces)
+    if body.fittings.details:
+        whole = Manifold.batch_boolean([part.solid.to_manifold() for part in parts], OpType.Add).volume()
+        expected = MM**3 * kit_moments(kit).volume
+        if abs(whole - expected) > _MEETS * expected:
+            raise WorkFailedError("no kit can be made: what is fitted meets a joint or a seat; fit it at another place")
+    return parts
 
 
 def _make_part(piece: Piece, lift: float, options: PartOptions) -> Part:
-    rings, segments = piece.rings, options.segments
-    if options.brim and piece.brim:
-        rings = add_brim(piece, MM * options.brim, MM * options.layer_height)
-    shape = Revolve(*split_rings(rings))
-    solid = to_solid(shape, segments)
-    refuse_other_volume(solid.volume, moments(rings).volume, piece.name)
+    shape = Revolve(*split_rings(piece.rings))
+    solid = to_solid(shape, options.segments)
+    refuse_other_volume(solid.volume, moments(piece.rings).volume, piece.name)
     tree = add_details(shape, piece.details)
     if piece.details:
-        solid = to_solid(tree, segments)
+        solid = to_solid(tree, options.segments)
     if solid.pieces != 1:
         raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
     label = f"{piece.name}, as joined; fore end up"

@@ -4,7 +4,6 @@ import json
 import shlex
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -56,10 +55,7 @@ def list_arguments(names: Iterable[str], options: Table) -> str:
     if bed := made.pop("bed", None):
         words += ["--bed", ",".join(f"{1000 * side:.10g}" for side in bed)]
     for key, value in made.items():
-        words += ["--option", f"{key}={_write_value(value)}"]
+        # Text without quotes, as a setting has it.
+        text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+        words += ["--option", f"{key}={text}"]
     return shlex.join(words)
-
-
-def _write_value(value: Any) -> str:
-    """A value as a setting has it: text without quotes."""
-    return value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))

@@ -16,7 +16,7 @@ from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import STEEL, PartOptions
 from driftform_frusta.parts import settle_ballast
 from driftform_kit import ballast
-from driftform_kit.ballast import NEGLIGIBLE, Piece, RequiredBallast
+from driftform_kit.ballast import NEGLIGIBLE, Piece
 from driftform_kit.kit import HeldBall, KitReport, report_kit
 
 GRAMS_FOR_KG = 20
@@ -93,7 +93,7 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
         "cog_source": weight.source,
         "aft_end": agent.body.outer[:, 0].min(),
         "ballast_mass": plan.required.mass,
-        "ballast_x": plan.required.x,
+        "ballast_x": plan.required.x if abs(plan.required.mass) >= NEGLIGIBLE else None,
         "ballast_density": density,
         **remedy,
         **fly_cases(design, agents),
@@ -162,7 +162,7 @@ class _Plan:
     """
 
     weight: PrintWeight
-    required: RequiredBallast
+    required: MassElement
     pieces: tuple[Piece, ...] = ()
     held: tuple[HeldBall, ...] = ()
     seats: float = 0.0
@@ -197,12 +197,12 @@ class _Planner:
             return replace(plan, pieces=())
         return plan
 
-    def find_required(self, weight: PrintWeight) -> RequiredBallast:
+    def find_required(self, weight: PrintWeight) -> MassElement:
         return ballast.required_ballast(
             self.agent.mass, MassElement.reweigh(self.agent, weight.elements(self.agent)).mass
         )
 
-    def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
+    def plan_seats(self, required: MassElement, kit: KitReport, measure: MeasureKit) -> _Plan:
         """Ballast that the kit holds by a seat, which weighs too; or else what can be fixed by hand."""
         unheld = "no ball has room where it is needed"
         try:
@@ -231,7 +231,7 @@ class _Planner:
             made = measure([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
             seats = flow * np.array([made.mass - kit.mass, made.mass * made.cog - kit.mass * kit.cog])
             off = np.abs(seats - assumed)
-            if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.moment):
+            if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.mass * required.x):
                 seated = self.add(seats)
                 return _Plan(seated, self.find_required(seated), pieces, made.held, float(seats[0]))
             # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
@@ -255,12 +255,12 @@ def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
     )
 
 
-def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
+def _fill_seats(held: Sequence[HeldBall], required: MassElement, density: float) -> tuple[Piece, ...]:
     """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
     if len(held) == 1:
         return (ballast.make_ball(required.mass, held[0].x, density),)
     aft, fore = sorted(ball.x for ball in held)
-    share = min(max((required.moment / required.mass - aft) / (fore - aft), 0.0), 1.0)
+    share = min(max((required.x - aft) / (fore - aft), 0.0), 1.0)
     masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
     return tuple(ballast.make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
 
@@ -295,12 +295,12 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
 
 
 def _lift(
-    agent: Agent, elements: Sequence[MassElement], required: RequiredBallast, water: float
+    agent: Agent, elements: Sequence[MassElement], required: MassElement, water: float
 ) -> tuple[Agent, dict[str, Any]]:
     """With foam on the outside that carries the excess weight; the water does not feel its shape."""
     volume = -required.mass / (water - ballast.FOAM)
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
-    x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
+    x = float(np.clip(required.x, aft, fore))
     loaded = MassElement.reweigh(agent, [*elements, MassElement(ballast.FOAM * volume, x)])
     return displace(loaded, volume, x), {"volume": volume, "density": ballast.FOAM, "x": x}
 

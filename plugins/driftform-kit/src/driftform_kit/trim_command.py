@@ -9,7 +9,6 @@ import typer
 from driftform.cli import options
 
 if TYPE_CHECKING:
-    from driftform import Design
     from driftform.interfaces import Fitness
     from driftform_kit.trim import Balls
 
@@ -81,6 +80,7 @@ def trim(
     from driftform.errors import InputError
     from driftform_frusta.kit_options import STEEL
     from driftform_kit.ballast import name_material
+    from driftform_kit.hang import describe_hanging, trim_in_water
     from driftform_kit.settings import list_arguments
     from driftform_kit.trim import trim_design
 
@@ -104,11 +104,17 @@ def trim(
             )
     design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
     if net_weight is not None:
-        _trim_in_water(design, net_weight / 1000, water_temperature, json)
-        return
-    facts = trim_design(design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density)
+        facts = trim_in_water(design, net_weight / 1000, water_temperature)
+    else:
+        facts = trim_design(
+            design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
+        )
     if json:
         output.print_json(facts)
+        return
+    if net_weight is not None:
+        print(*describe_hanging(facts, design.agent.body), sep="\n")
+        _print_flights(facts, design.pipeline.fitness)
         return
     exporter = design.study.make_exporter(names[0])
     kept = [setting for setting in settings or () if not setting.lstrip().startswith("exporter.")]
@@ -124,19 +130,6 @@ def trim(
         return (f"driftform export {arguments}", f"driftform trim {arguments} --printed-mass KG {flight}".rstrip())
 
     _print(facts, design.pipeline.fitness, write)
-
-
-def _trim_in_water(design: "Design", net_weight: float, celsius: float | None, json: bool) -> None:
-    from driftform.cli import output
-    from driftform_kit.hang import describe_hanging, trim_in_water
-
-    facts = trim_in_water(design, net_weight, celsius)
-    if json:
-        output.print_json(facts)
-        return
-    for line in describe_hanging(facts, design.agent.body):
-        print(line)
-    _print_flights(facts, design.pipeline.fitness)
 
 
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -> None:

@@ -9,13 +9,10 @@ from .curve import evaluate_path as evaluate_path
 from .interpolation import Pose as Pose
 from .interpolation import even_times as even_times
 from .interpolation import interpolate_attitudes as interpolate_attitudes
-from .interpolation import interpolate_pose as interpolate_pose
 from .interpolation import interpolate_positions as interpolate_positions
 from .interpolation import resample as resample
 from .targets import approach_targets as approach_targets
 from .targets import farthest_distances as farthest_distances
 from .targets import find_offsets as find_offsets
-from .targets import find_target_approaches as find_target_approaches
-from .targets import find_within as find_within
 from .targets import name_outlet as name_outlet
 from .trajectory import finish_trajectory as finish_trajectory

@@ -13,7 +13,7 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of, decode_srgb
 from driftform_frusta.exporters.base import JoinedFile, PartFiles
-from driftform_frusta.triangles import Mesh
+from driftform_frusta.triangles import Mesh, write_obj
 
 FRAME = 1e-3 * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From the printed frame, mm with z up, to that of glTF, m with y up: a turn by -90 degrees about x."""
@@ -46,20 +46,14 @@ class PlyExporter(PartFiles):
 
 
 class ObjExporter(JoinedFile):
-    """The hull as an OBJ mesh in mm, a group for each part at its place in the assembled hull; without colours."""
+    """The hull as an OBJ mesh in mm, an object for each part at its place in the assembled hull; without colours."""
 
     name = "obj"
     suffix = ".obj"
 
     def encode(self, title: str, meshes: Mapping[str, Mesh]) -> str:
-        """Return the groups; OBJ has no place for a title."""
-        pieces = ["# driftform, lengths in mm\n"]
-        first = 1
-        for name, mesh in meshes.items():
-            group = name.replace(" ", "_")
-            pieces += [f"o {group}\ng {group}\n", mesh.to_obj(first)]
-            first += len(mesh.vertices)
-        return "".join(pieces)
+        """Return the objects; OBJ has no place for a title."""
+        return write_obj(meshes, "mm")
 
 
 class GlbExporter(JoinedFile):

@@ -29,9 +29,10 @@ class ScadExporter(PartExporter):
 
 def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
     """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
-    if [part.name for part in parts] == ["hull"]:
-        return hull_source(job.agent, segments, job.name)
     body = job.agent.body
+    whole = [part.name for part in parts] == ["hull"]
+    if whole and not body.fittings.details and (edited := hull_source(job.agent, segments, job.name)):
+        return edited
     modules = {part.name: part.name.replace(" ", "_") for part in parts}
     rows = []
     x = 0.0
@@ -48,7 +49,7 @@ def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
     return fill_source(
         "kit",
         title=" ".join(job.name.split()),
-        count=len(parts),
+        summary="its section, revolved" if whole else f"a kit of {len(parts)} parts",
         names=", ".join(modules),
         definitions=write_definitions(source, segments),
         modules=source,

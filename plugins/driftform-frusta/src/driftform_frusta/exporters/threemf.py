@@ -22,7 +22,7 @@ from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.exporters.scad import write_source
 from driftform_frusta.parts import KIT_FILE, Part
 from driftform_frusta.picture import plate_svg
-from driftform_frusta.plate import arrange, fits
+from driftform_frusta.plate import arrange
 from driftform_frusta.solid import make_mesh
 from driftform_frusta.triangles import Mesh
 
@@ -80,10 +80,10 @@ class ThreeMfExporter(PartExporter):
             here = [p for p in placed if p.plate == number]
             title = job.name if plates == 1 else f"{job.name}, plate {number + 1} of {plates}"
             target = path if plates == 1 else path.with_name(f"{path.stem}-plate-{number + 1}{path.suffix}")
-            sizes = [tuple(np.ptp(p.mesh.bounds, axis=0).tolist()) for p in here]
+            sizes = np.array([np.ptp(p.mesh.bounds, axis=0) for p in here])
             facts = list_facts([p.part for p in here], job.agent.body) | {
                 "triangles": sum(len(p.mesh.triangles) for p in here),
-                "fits_bed": all(fits(size, self._bed) for size in sizes),
+                "fits_bed": bool((sizes <= np.array(self._bed) + 1e-6).all()),
             }
             yield target, self._pack(title, job, here, attachments), facts
 
@@ -102,8 +102,8 @@ class ThreeMfExporter(PartExporter):
     @property
     def _bed(self) -> tuple[float, float, float]:
         """Width, depth and height, mm."""
-        x, y, z = self.options.bed
-        return MM * x, MM * y, MM * z
+        x, y, z = (MM * side for side in self.options.bed)
+        return x, y, z
 
     def _pack(self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]) -> bytes:
         body, mass = job.agent.body, job.agent.mass
@@ -120,7 +120,7 @@ class ThreeMfExporter(PartExporter):
     def draw_plate(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
         """Return a picture of parts on a plate, as a PNG file of some size in px."""
         shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
-        return picture_files.rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
+        return picture_files.rasterise(plate_svg(shapes, self._bed[0], width, height)) or b""
 
 
 def _package(model: str, thumbnail: bytes, attachments: Mapping[str, str]) -> bytes:

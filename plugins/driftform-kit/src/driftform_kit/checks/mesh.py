@@ -7,26 +7,20 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, ExportJob, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
-from driftform_frusta.hull import MM3_PER_M3, hull_volume
-from driftform_frusta.kit_options import KitOptions
+from driftform_frusta.hull import MM3_PER_M3, printed_volume
 from driftform_frusta.strength import describe_strength
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, Topology, analyse_topology, find_shells, orient_outward
 from driftform_kit.checks.slenderness import ADHESION, BRIMS, PUSH, find_brim, measure_slenderness
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
-from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes
 
 _MIN_SIZE, _MAX_SIZE = 5.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
-
-_SHARES = (1.0, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2)
-"""Heights of the bed that are tried for parts that do not sway, over that of the printer."""
 
 _TOUCH, _SHOWN = 1e-4, 3
 """Share of the smaller of two parts in which they overlap by the facets of their joints; pairs that are named."""
@@ -148,7 +142,8 @@ class MeshChecker(Checker[MeshOptions]):
         )
         faults = []
         if bent > half_line:
-            faults.append(f"it sways by more than half a line ({half_line:g} mm): {self._advise_cut(job, count)}")
+            cut = f"print it slowly, or in shorter parts ({'--bed' if count > 1 else '--kit, --bed'})"
+            faults.append(f"it sways by more than half a line ({half_line:g} mm): {cut}")
         if beam.lift_force < o.push and (best.steady or faults):
             # Of two dangers the graver comes first: it is lifted off before it sways.
             brim = find_brim(turned, o.push, o.adhesion)
@@ -159,25 +154,6 @@ class MeshChecker(Checker[MeshOptions]):
             faults.append(f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there")
         state = State.WARN if faults else State.PASS
         return state, ": ".join((message, *(["; ".join(faults)] if faults else [])))
-
-    def _advise_cut(self, job: PrintJob, count: int) -> str:
-        """The highest bed of :data:`_SHARES` for which a kit has no part that sways, as an option; tried, if the agent is known."""
-        cut = count > 1 or (job.export is not None and not _is_whole(job))
-        words = "print it slowly, or in shorter parts"
-        if job.export is None:
-            return f"{words} ({'--bed' if cut else '--kit, --bed'})"
-        width, depth, height = job.printer.bed
-        for share in _SHARES:
-            bed = width, depth, round(share * height, 3)
-            try:
-                pieces = make_kit(job.export.agent.body, KitOptions(nozzle=job.printer.nozzle, bed=bed)).pieces
-            except WorkFailedError:
-                break
-            beams = [measure_slenderness(p.mesh, self.options.stiffness, self.options.strength, 1.0) for p in pieces]
-            if all(beam and self.options.push * beam.bending <= MM * job.printer.nozzle / 2 for beam in beams):
-                sides = ",".join(f"{MM * side:g}" for side in bed)
-                return f"{words}: {'' if cut else '--kit '}--bed {sides} makes {len(pieces)} that do not"
-        return "print it slowly; no joint has room for a cut that helps"
 
     def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
         if not all(one.sound for one in studied):
@@ -335,7 +311,7 @@ def _describe_loose(one: AnalysedPart) -> str:
 def _is_whole(job: PrintJob) -> bool:
     """Return whether the files hold the agent's hull in one piece, and not a kit."""
     assert job.export is not None
-    return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.export.agent.body)))
+    return job.volume is not None and bool(np.isclose(job.volume, printed_volume(job.export.agent.body)))
 
 
 def _describe_turned(shells: Sequence[Shell]) -> str:

@@ -9,14 +9,13 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_frusta.hull import MM3_PER_M3
-from driftform_kit.checks.programs import TIMEOUT, render, require_program
+from driftform_kit.checks.programs import render, require_program
 from driftform_kit.reading import read_meshes
 
 
 class OpenScadOptions(Table):
     """Options of OpenSCAD."""
 
-    timeout: float = option(TIMEOUT, "time limit", "s", ge=1e-3, le=86_400)
     tolerance: float = option(1e-4, "largest relative difference of volume that passes", ge=1e-12, lt=1)
 
 
@@ -37,7 +36,7 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         with TemporaryDirectory() as folder:
             try:
                 require_program(self.program)
-                rendered = read_meshes(render(job.source, Path(folder), self.options.timeout))
+                rendered = read_meshes(render(job.source, Path(folder)))
             except InputError as error:
                 return State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: ")
             except WorkFailedError as error:

@@ -10,7 +10,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.util.foreign import run_program
 
 TIMEOUT = 300.0
-"""Time limit of OpenSCAD, s."""
+"""Time limit of a program for each file, s."""
 
 
 def require_program(program: str) -> None:
@@ -24,7 +24,7 @@ def last_line(output: str) -> str:
     return next((line.strip() for line in reversed(output.splitlines()) if line.strip()), "it printed nothing")
 
 
-def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
+def render(source: Path, folder: Path) -> Path:
     """Render OpenSCAD source to a mesh within ``folder``, and return its path.
 
     Raises WorkFailedError if OpenSCAD is not installed or does not end in time, and InputError with its reason if the
@@ -35,7 +35,7 @@ def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
     except WorkFailedError as error:
         raise WorkFailedError(f"{source}: only OpenSCAD can read it: {error}") from None
     mesh = folder / "rendered.stl"
-    said = run_program(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
+    said = run_program(["openscad", "-o", str(mesh), str(source.resolve())], folder, TIMEOUT)
     # OpenSCAD leaves out a part that it cannot make, and prints such a line only.
     faults = [line.strip() for line in said.splitlines() if "ERROR" in line or "WARNING" in line]
     if faults or not mesh.is_file():

@@ -34,8 +34,8 @@ class PrusaSlicerOptions(Table):
     perimeters: int = option(3, "maximum number of perimeters of a wall", ge=1, le=100)
     infill: float = option(1.0, "filled share of the room between the perimeters; 1: solid, as simulated", ge=0, le=1)
     least: float = option(0.95, "minimum ratio of filament to mesh volume that passes", ge=0, le=10)
-    most: float = option(1.03, "maximum ratio of filament to mesh volume that passes", ge=0, le=10)
     timeout: float = option(300.0, "time limit for each part", "s", ge=1e-3, le=86_400)
+    most: float = option(1.03, "maximum ratio of filament to mesh volume that passes", ge=0, le=10)
 
 
 class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import CrossSection, Error, JoinType
 
+from driftform_frusta.solid import integrate_solid
 from driftform_frusta.triangles import Mesh
 
 _STATIONS = 160
@@ -114,17 +115,8 @@ def measure_section(section: CrossSection) -> tuple[float, float]:
     rings = [np.asarray(ring, dtype=np.float64) for ring in section.to_polygons()]
     if not rings:
         return 0.0, 0.0
-    area, first, second = 0.0, np.zeros(2), np.zeros((2, 2))
-    for ring in rings:
-        a, b = ring, np.roll(ring, -1, axis=0)
-        # Integrals over the triangles from the origin to the edges; holes run the other way round.
-        twice = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
-        total = a + b
-        area += float(twice.sum()) / 2
-        first += (twice[:, None] * total).sum(axis=0) / 6
-        products = sum(np.einsum("ni,nj->nij", points, points) for points in (total, a, b))
-        second += (twice[:, None, None] * products).sum(axis=0) / 24
-    centre = first / area
-    values, axes = np.linalg.eigh(second - area * np.outer(centre, centre))
+    integrals = integrate_solid(section.extrude(1.0))
+    centre = integrals[0, 1:3] / integrals[0, 0]
+    values, axes = np.linalg.eigh(integrals[1:3, 1:3] - integrals[0, 0] * np.outer(centre, centre))
     across = (np.concatenate(rings) - centre) @ axes[:, 0]
     return float(values[0]), 2 * float(np.abs(across).max())

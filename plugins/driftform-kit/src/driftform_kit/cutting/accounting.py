@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 
-from driftform.agent import MassElement, mass_properties, solid_of_revolution
+from driftform.agent import MassElement, mass_properties
 from driftform.errors import WorkFailedError
 from driftform.types import Agent, Body, Fittings, MassProperties, Moments
+from driftform_frusta.cores import make_ball
 from driftform_frusta.hull import wall_moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
-from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass
+from driftform_kit.ballast import NEGLIGIBLE, ball_diameter
 from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 
@@ -22,7 +23,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
     Ballast, and the putty of trim pockets, are not counted, but seats are. Parts of revolution are integrated in closed form; glue
-    and O-rings weigh nothing here, and holes of ``drain`` are taken to be plugged flush.
+    and O-rings weigh nothing here.
     """
     emptied = tuple(replace(pocket, density=0.0) for pocket in body.pockets)
     fittings = measure_fittings(body, options)
@@ -91,7 +92,7 @@ class KitWeight:
 def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
     """Return the weights of the parts of an agent's kit, and of what is bought."""
     core, empty = agent.body.core, kit_mass(agent.body, options)
-    added = [(ball_mass(2 * b.ball.radius / MM, options.ballast_density), b.ball.z / MM) for b in kit.ballast]
+    added = [(make_ball(options.ballast_density, 2 * b.ball.radius / MM).mass, b.ball.z / MM) for b in kit.ballast]
     added += [(putty.mass, putty.x) for putty in map(MassElement.of_putty, agent.body.pockets)]
     bought = core.mass + sum(mass for mass, _ in added)
     return KitWeight(
@@ -105,8 +106,10 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
 
 
 def measure_fittings(body: Body, options: KitOptions) -> Fittings:
-    """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes."""
-    return Fittings(kit_moments(make_kit(body, options)) - wall_moments(body))
+    """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes; and its details."""
+    details = body.fittings.details
+    fitted = sum((detail.moments for detail in details), wall_moments(body))
+    return Fittings(kit_moments(make_kit(body, options)) - fitted, details)
 
 
 def kit_moments(kit: Kit) -> Moments:
@@ -121,9 +124,3 @@ def _piece_moments(piece: Piece) -> Moments:
 def piece_mass(piece: Piece, density: float) -> float:
     """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
     return density * _piece_moments(piece).volume
-
-
-def measure_flooding(kit: Kit, body: Body, water: float) -> float:
-    """Return the mass of the water (density in kg/m3) that fills the closed kit through an open hole, kg."""
-    inside = solid_of_revolution(body.outer).volume - kit_moments(kit).volume
-    return water * (inside - body.core.volume)

@@ -5,13 +5,12 @@ print either way up. All of it repeats three times round the axis: what it weigh
 """
 
 import math
-from collections.abc import Iterable
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 
 from manifold3d import CrossSection
 
-from driftform.types import Moments
-from driftform_frusta.csg import Difference, Node, Revolve, Rotate, Translate, Union
+from driftform.types import Detail, Moments
+from driftform_frusta.csg import Node, Revolve, Rotate, Translate, Union
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.joint import LEAD, LIP, Joint
 
@@ -25,25 +24,6 @@ _BEAD, _BITE = 0.5, 0.15
 """mm: radius of a bead, and by how much a lug is bent when it passes the bead: the turn clicks."""
 
 
-@dataclass(frozen=True, eq=False)
-class Detail:
-    """A solid that a part has beside its body of revolution, mm from the core's centre, or lacks if it is ``removed``.
-
-    ``moments`` are those of the material that it adds, m: negative if it is removed.
-    """
-
-    tool: Node
-    moments: Moments
-    removed: bool
-
-
-def add_details(shape: Node, details: Iterable[Detail]) -> Node:
-    """Return a solid with its details."""
-    for detail in details:
-        shape = Difference(shape, (detail.tool,)) if detail.removed else Union((shape, detail.tool))
-    return shape
-
-
 def track_length() -> float:
     """Length of plug that the tracks take up, with the land towards the tip, mm."""
     return 2 * LUG + CREST + LIP + LEAD
@@ -53,7 +33,8 @@ def draw_lugs(joint: Joint, bore: float, section: CrossSection) -> Detail:
     """Return the lugs of a socket whose bore has a radius (mm), and whose half section is given."""
     # They reach into the wall, to merge with it.
     lug = _draw_flanks(joint, bore, meridian.OVERLAP, 0.0)
-    return Detail(_repeat(lug, 0.0, _WIDE, joint), _share(lug - meridian.take_right(section), _COUNT * _WIDE), False)
+    gained = _share(lug - meridian.take_right(section), _COUNT * _WIDE)
+    return Detail("lugs", _repeat(lug, 0.0, _WIDE, joint), None, gained.matrix())
 
 
 def cut_tracks(joint: Joint, bore: float, section: CrossSection) -> tuple[Detail, Detail]:
@@ -67,7 +48,7 @@ def cut_tracks(joint: Joint, bore: float, section: CrossSection) -> tuple[Detail
     ends = -play, _WIDE + room - play, 2 * _WIDE + room + play
     tool = Union((_repeat(track, ends[0], ends[1] + 1.0, joint), _repeat(slot, ends[1], ends[2], joint)))
     lost = _share(track ^ plug, _COUNT * (ends[1] - ends[0])) + _share(slot ^ plug, _COUNT * (ends[2] - ends[1]))
-    return Detail(tool, Moments() - lost, True), _place_beads(joint, bottom, _WIDE + room / 2)
+    return Detail("tracks", None, tool, -lost.matrix()), _place_beads(joint, bottom, _WIDE + room / 2)
 
 
 def _place_beads(joint: Joint, bottom: float, at: float) -> Detail:
@@ -82,7 +63,8 @@ def _place_beads(joint: Joint, bottom: float, at: float) -> Detail:
     shared = half * _BEAD**2 + other * bottom**2 - middle * _BEAD * math.sin(half)
     volume = _COUNT * (math.pi * _BEAD**2 - shared) * height / meridian.MM**3
     x, r = (low + height / 2) / meridian.MM, bottom / meridian.MM
-    return Detail(Union(tuple(beads)), Moments(volume, volume * x, volume * x * x, volume * r * r), False)
+    gained = Moments(volume, volume * x, volume * x * x, volume * r * r)
+    return Detail("beads", Union(tuple(beads)), None, gained.matrix())
 
 
 def _depth(joint: Joint) -> float:

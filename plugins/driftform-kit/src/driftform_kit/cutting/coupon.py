@@ -1,26 +1,25 @@
 """The fit coupon: plugs at several clearances in a frame and a loose socket, drawn by the functions that draw kits.
 
-Each plug has the sleeve of a kit, a groove for an O-ring and a seat for the core, and its clearance next to it. They are
+Each plug has the sleeve of a kit, a groove for an O-ring and a seat for the core, and a label with a hole for each 0.05 mm of its clearance. They are
 printed to find the clearance of a printer: the least at which the socket slides on and the core drops to its seat.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 from manifold3d import CrossSection
 
-from driftform.types import Body
+from driftform.types import Body, Detail
 from driftform_frusta.csg import Difference, Extrude, Named, Node, Revolve, Translate, Union
+from driftform_frusta.fittings import add_details
 from driftform_frusta.kit_options import CORD, PartOptions
 from driftform_frusta.parts import Part
 from driftform_frusta.solid import to_solid
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import SEAT, Ball, draw_seat
-from driftform_kit.cutting.bayonet import Detail, add_details, cut_tracks, draw_lugs
+from driftform_kit.cutting.bayonet import cut_tracks, draw_lugs
 from driftform_kit.cutting.cut import make_sleeve
-from driftform_kit.cutting.digits import draw_number
 from driftform_kit.cutting.gland import choose_gland
 from driftform_kit.cutting.joint import LIP, draw_joint, seal_bore
 from driftform_kit.cutting.meridian import MM
@@ -35,8 +34,11 @@ _COLUMNS = 3
 _SHARED = 0.5
 """mm of wall that two neighbours share."""
 
-_LETTER, _THICK, _DEEP = 4.0, 1.6, 0.6
-"""mm: height of the numbers, and thickness of their labels and depth of the numbers in them."""
+_STEP = 0.05
+"""mm of clearance for which a label has a hole."""
+
+_PITCH, _HOLE, _THICK = 3.0, 0.9, 1.6
+"""mm: distance and radius of the holes of a label, and its thickness."""
 
 _APART = 3.0
 """mm between the frame and the loose socket."""
@@ -79,8 +81,8 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
         at = (column * pitch + loose, row * pitch + loose, -low)
         placed.append(Translate(at, cell))
         if not loose:
-            placed.append(_make_label(f"{CLEARANCES[place]:.2f}"[1:], at, hull.widest, -1 if row == 0 else 1))
-    tree = Named("fit coupon: clearances in mm", Union(tuple(placed)))
+            placed.append(_make_label(round(CLEARANCES[place] / _STEP), at, hull.widest, -1 if row == 0 else 1))
+    tree = Named("fit coupon: a hole for each 0.05 mm of clearance", Union(tuple(placed)))
     return Part("fit coupon", tree, to_solid(tree, options.segments))
 
 
@@ -94,18 +96,16 @@ def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
     return {
         "core_mm": 2 * MM * body.core.radius,
         "o_ring_mm": MM * (options.cord or CORD),
-        "next": "print it as you print kits; take the least number (mm) at which the loose ring slides on by hand, with a greased "
+        "next": "print it as you print kits; take the fewest holes, of 0.05 mm each, at which the loose ring slides on by hand, with a greased "
         "O-ring too if you use some, and at which the core drops to its seat; then give that clearance, in m, to all kits: "
         "--option clearance=0.00015",
     }
 
 
-def _make_label(text: str, at: tuple[float, float, float], widest: float, side: int) -> Node:
-    number = draw_number(text, _LETTER)
-    left, low, right, high = number.bounds()
-    radius = math.hypot(right - left, high - low) / 2 + 1.0
-    disc = Revolve(((0.0, 0.0), (radius, 0.0), (radius, _THICK), (0.0, _THICK)))
-    middle = (-(left + right) / 2, -(low + high) / 2, _THICK - _DEEP)
-    outlines = (meridian.split_rings(meridian.list_rings(piece)) for piece in number.decompose())
-    label = Difference(disc, tuple(Translate(middle, Extrude(*outline, 2 * _DEEP)) for outline in outlines))
-    return Translate((at[0], at[1] + side * (widest + radius - 1.0), 0.0), label)
+def _make_label(count: int, at: tuple[float, float, float], widest: float, side: int) -> Node:
+    """Return a plate with a row of holes on one side of a cell."""
+    half, wide = _PITCH * count / 2, _PITCH / 2
+    plate = Extrude(((-half, -wide), (half, -wide), (half, wide), (-half, wide)), (), _THICK)
+    hole = Revolve(((0.0, -1.0), (_HOLE, -1.0), (_HOLE, _THICK + 1), (0.0, _THICK + 1)))
+    holes = tuple(Translate((_PITCH * (place + 0.5) - half, 0.0, 0.0), hole) for place in range(count))
+    return Translate((at[0], at[1] + side * (widest + wide - 0.5), 0.0), Difference(plate, holes))

@@ -132,11 +132,6 @@ def find_seal(hull: Hull, joint: Joint) -> Seal | None:
     return None if joint.gland is None else joint.gland.fit_ring(trace_mouth(hull, joint)[-1][1], joint.gap, joint.plug)
 
 
-def _plug_radius(joint: Joint, line: Line) -> float:
-    """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
-    return float(radii_along(line, np.array(joint.lap))) - joint.gap
-
-
 def draw_joint(hull: Hull, joint: Joint) -> tuple[CrossSection, CrossSection, CrossSection]:
     """Return the pad that is added to the socket's part, the pocket removed from it, and the plug added to the other part."""
     line = trace_mouth(hull, joint)
@@ -171,7 +166,7 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
     """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
-    surface = _plug_radius(joint, line)
+    surface = float(radii_along(line, np.array(joint.lap))) - joint.gap
     low, beyond = surface - LEAD, 5.0
     outer = surface + beyond
     chamfer = [(low - 1, -joint.lap - 1), (outer, -joint.lap + LEAD + beyond), (outer, -joint.lap - 1)]

@@ -7,30 +7,25 @@ from itertools import pairwise
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
-from driftform.types import Body
+from driftform.types import Body, Detail
 from driftform_frusta.csg import Revolve
+from driftform_frusta.fittings import add_details
 from driftform_frusta.hull import check_printable_section, hull_volume, refuse_other_volume
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.solid import to_solid
+from driftform_frusta.solid import to_manifold, to_solid
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, list_orientations, prints_upside_down
 from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
-from driftform_kit.cutting.bayonet import Detail, cut_tracks, draw_lugs
+from driftform_kit.cutting.bayonet import cut_tracks, draw_lugs
 from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.held_ballast import HeldBall, NoWayInError, hold_ballast
 from driftform_kit.cutting.joint import Joint, draw_joint, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 
-_RIM = 1.0
-"""mm of material that must stay around a hole."""
-
 _HEIGHTS = 1.0, 0.8, 0.65, 0.5, 0.4, 0.3
 """Heights of parts that are tried to let a ball in by one more cut, in that of the bed."""
-
-_MAX_DEPTH = 10.0
-"""mm of solid end that a hole goes through."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,13 +47,14 @@ class Piece:
 
     @cached_property
     def upright(self) -> Mesh:
-        """Its mesh with its fore end up, without its details: mm, z as in its rings."""
-        solid = to_solid(Revolve(*meridian.split_rings(self.rings)))
+        """Its mesh with its fore end up, of details with those alone that it cannot stand on: mm, z as in its rings."""
+        protruding = [detail for detail in self.details if detail.area]
+        solid = to_solid(add_details(Revolve(*meridian.split_rings(self.rings)), protruding))
         return Mesh(solid.vertices, solid.triangles, self.name)
 
     @cached_property
     def mesh(self) -> Mesh:
-        """Its mesh as printed, without its details: mm, z up."""
+        """The same as printed: mm, z up."""
         turn = TURNS["upside down" if self.fore_down else "as placed"]
         return replace(self.upright, vertices=self.upright.vertices @ turn)
 
@@ -76,19 +72,6 @@ class Piece:
     def bed_end(self) -> str:
         """The end that is printed on the bed."""
         return "fore" if self.fore_down else "aft"
-
-
-def add_brim(piece: Piece, width: float, thickness: float) -> tuple[Ring, ...]:
-    """Return the half section of a part with a brim (mm) round its foot, which is cut off after printing."""
-    up = -1.0 if piece.fore_down else 1.0
-    bed = min(float((up * ring[:, 1]).min()) for ring in piece.rings)
-    section = CrossSection([ring.tolist() for ring in piece.rings])
-    levels = sorted((up * bed, up * (bed + thickness)))
-    foot = float((section ^ meridian.make_slab(*levels)).bounds()[2])
-    brim = meridian.make_slab(*levels) ^ CrossSection.square((width + thickness, 2 * meridian.FAR)).translate(
-        (foot - thickness, -meridian.FAR)
-    )
-    return meridian.list_rings((section + brim).simplify(meridian.SIMPLIFY))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,20 +108,18 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     bare, sections, ballast = _place_balls(body, options)
     hull, joints, core_joint = bare.hull, bare.joints, bare.core_joint
     found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
-    if options.drain:
-        for end, side in ((0, -1), (-1, 1)):
-            sections[end] = _add_drain(hull, sections[end], side, MM * options.drain)
     names = [_name_part(index, joints.index(core_joint)) for index in range(len(sections))]
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
     locks = _make_locks(hull, core_joint, joints.index(core_joint), sections)
-    pieces = tuple(map(Piece, names, polygons, locks))
+    details = [own + lock for own, lock in zip(_share_details(body, joints), locks, strict=True)]
+    pieces = tuple(map(Piece, names, polygons, details))
     return replace(bare, pieces=pieces, seats=found, ballast=ballast)
 
 
 def _place_balls(body: Body, options: KitOptions) -> tuple[Kit, list[CrossSection], tuple[HeldBall, ...]]:
     """Cut a hull, into lower parts than the bed takes where a ball has no way in otherwise, and hold the balls of ballast."""
     balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
-    refused: NoWayInError | None = None
+    refused: WorkFailedError | None = None
     for share in _HEIGHTS:
         bed = (*options.bed[:2], share * options.bed[2])
         try:
@@ -146,12 +127,11 @@ def _place_balls(body: Body, options: KitOptions) -> tuple[Kit, list[CrossSectio
             bare, drawn = _cut_hull(body, options.model_copy(update={"ballast": (), "bed": bed}))
             sections = list(drawn)
             held = hold_ballast(bare.hull, sections, bare.joints, bare.core_joint, MM * options.clearance, balls)
-        except NoWayInError as error:
-            refused = refused or error
-        except WorkFailedError as error:
-            raise refused or error from None
-        else:
             return bare, sections, held
+        except WorkFailedError as error:
+            refused = refused or error
+            if not isinstance(error, NoWayInError):
+                break
     assert refused
     raise refused
 
@@ -178,6 +158,18 @@ def _cut_hull(body: Body, options: KitOptions) -> tuple[Kit, tuple[CrossSection,
     return Kit(hull, (), joints, chosen, reason, seats, ()), tuple(sections)
 
 
+def _share_details(body: Body, joints: tuple[Joint, ...]) -> list[tuple[Detail, ...]]:
+    """Return the details of a body that each part has, from aft to fore."""
+    shares: list[tuple[Detail, ...]] = [()] * (len(joints) + 1)
+    for detail in body.fittings.details:
+        boxes = [to_manifold(tree).bounding_box() for tree in (detail.added, detail.removed) if tree is not None]
+        aft, fore = (sum(joint.z < z for joint in joints) for z in (min(b[2] for b in boxes), max(b[5] for b in boxes)))
+        if aft != fore:
+            raise WorkFailedError(f"no kit can be made: its {detail.name} lies across a joint; fit it at another place")
+        shares[aft] += (detail,)
+    return shares
+
+
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
     bounds = [-meridian.FAR, *(joint.z for joint in joints), meridian.FAR]
     sections = [hull.material ^ meridian.make_slab(low, high) for low, high in pairwise(bounds)]
@@ -199,31 +191,6 @@ def _make_locks(hull: Hull, joint: Joint, index: int, parts: list[CrossSection])
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
         locks[plug], locks[socket] = cut_tracks(joint, bore, parts[plug]), (draw_lugs(joint, bore, parts[socket]),)
     return locks
-
-
-def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
-    r = diameter / 2
-    skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])
-    end = float(skin[0, 0])
-    what = f"no hole of {diameter:g} mm can be made in the {'fore' if side > 0 else 'aft'} end"
-    if not hull.pockets.is_empty():
-        raise WorkFailedError(
-            f"{what}: trim pockets take its place; leave drain out, or set builder.pockets.diameter to 0"
-        )
-    wide = bore[bore[:, 1] >= r]
-    if not len(wide) or abs(float(wide[0, 0]) - end) > _MAX_DEPTH:
-        raise WorkFailedError(
-            f"{what}: the cavity is not wider than that within {_MAX_DEPTH:g} mm of the end; make drain smaller"
-        )
-    inner = float(wide[0, 0])
-    through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]
-    if len(through) and float(through.max()) < r + _RIM:
-        raise WorkFailedError(f"{what}: it is {2 * float(through.max()):.1f} mm wide; make drain smaller")
-    levels = sorted((inner, end + side * meridian.FAR))
-    hole = meridian.make_slab(*levels) ^ CrossSection.square((diameter, 2 * meridian.FAR)).translate(
-        (-r, -meridian.FAR)
-    )
-    return section - hole
 
 
 def _name_part(index: int, inner: int) -> str:

@@ -8,18 +8,18 @@ import numpy as np
 from driftform.agent import MassElement
 from driftform.interfaces import ExportJob
 from driftform.types import MassProperties
-from driftform_frusta.cores import CUSTOM, name_core
+from driftform_frusta.cores import CUSTOM, make_ball, name_core
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.materials import MATERIALS, find_material
 from driftform_frusta.strength import describe_strength
-from driftform_kit.ballast import ball_mass, name_material
-from driftform_kit.cutting.accounting import measure_flooding, piece_mass, weigh_kit
+from driftform_kit.ballast import name_material
+from driftform_kit.cutting.accounting import piece_mass, weigh_kit
 from driftform_kit.cutting.gland import STRETCH
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.joint import Joint, find_seal, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
-from driftform_kit.hang import list_readings
+from driftform_kit.hang import find_reading
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
 
@@ -158,6 +158,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
             ("nozzle", f"{MM * options.nozzle:g} mm"),
             ("filament", name_filament(body.hull_density)),
             ("clearance of joints", f"{MM * options.clearance:g} mm"),
+            *((d.name, f"{1000 * body.hull_density * d.moments.volume:.2f} g") for d in body.fittings.details),
             *(("withstands", f"{hull['pressure'] / 1e5:.3g} bar ({hull['part']})") for hull in hulls),
             *(("lost per bar", f"{1000 * hull['lost_per_bar']:.2g} g") for hull in hulls),
         ),
@@ -177,7 +178,7 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
 
 def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) -> tuple[SheetBall, ...]:
     numbers = {part.place: part.number for part in parts}
-    masses = [ball_mass(2 * held.ball.radius / MM, options.ballast_density) for held in kit.ballast]
+    masses = [make_ball(options.ballast_density, 2 * held.ball.radius / MM).mass for held in kit.ballast]
     mouths = [None if held.mouth is None else kit.joints[held.mouth] for held in kit.ballast]
     return tuple(
         SheetBall(mark, numbers[held.part], mass, held, mouth, kit.find_pause(held))
@@ -224,8 +225,7 @@ def _write_texts(
         note=MATERIALS[name].note if (name := find_material(body.hull_density)) else "",
         seals=seals,
         rings=Counter(replace(seal, groove_mm=round(seal.groove_mm, 1)) for seal in seals.values()),
-        flooded=measure_flooding(kit, body, job.scenario.fluid.density),
-        readings=list_readings(job.agent, job.scenario.fluid),
+        readings={c: find_reading(job.agent, job.scenario.fluid, c) for c in (5.0, 10.0, 15.0, 20.0, 25.0)},
         title=job.name,
         opened=job.opened_as,
         arguments=f"{job.opened_as} {list_arguments([format], options)}",

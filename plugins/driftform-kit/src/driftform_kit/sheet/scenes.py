@@ -94,9 +94,9 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         yield Shape([box], _PALE)
     else:
         yield from _lay(sheet, parts, core=True)
-        ends = ((-1.0, sheet.aft), (1.0, sheet.aft + length)) if kind in ("drain", "putty") else ()
+        ends = ((-1.0, sheet.aft), (1.0, sheet.aft + length)) if kind == "putty" else ()
         for side, end in ends:
-            if kind == "putty" and all(side * ring[0, 1] < 0 for ring in sheet.putty):
+            if all(side * ring[0, 1] < 0 for ring in sheet.putty):
                 continue
             yield from _draw_arrow((end + side * wide / 2, 0.0), (end + side * wide / 12, 0.0))
         if not ends:

@@ -12,7 +12,7 @@ import numpy as np
 
 from driftform.agent import solid_of_revolution
 from driftform.types import FloatArray
-from driftform_frusta.triangles import Mesh
+from driftform_frusta.triangles import Mesh, write_obj
 
 SEGMENTS = 64
 """Corners of every circle."""
@@ -83,4 +83,4 @@ def _convex_parts(contour: FloatArray) -> list[FloatArray]:
 
 def obj_text(mesh: Mesh) -> str:
     """Return a mesh as the text of an OBJ file: the one format that all these simulators read."""
-    return "# driftform, lengths in m\n" + mesh.to_obj()
+    return write_obj({"hull": mesh}, "m")
