@@ -91,9 +91,10 @@ def step_text(title: str, parts: Sequence[Part], shapes: Sequence[Any]) -> str:
 
 def _count_faces(shape: Any) -> int:
     from OCP.TopAbs import TopAbs_FACE
-    from OCP.TopExp import TopExp
-    from OCP.TopTools import TopTools_IndexedMapOfShape
+    from OCP.TopExp import TopExp_Explorer
 
-    faces = TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(shape, TopAbs_FACE, faces)
-    return int(faces.Extent())
+    explorer, count = TopExp_Explorer(shape, TopAbs_FACE), 0
+    while explorer.More():
+        count += 1
+        explorer.Next()
+    return count
