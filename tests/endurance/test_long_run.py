@@ -1,4 +1,4 @@
-"""Runs of 20 000 evaluations: memory, descriptors and size of what evaluates, and the time of what reads them.
+"""Runs of 20 000 evaluations: memory, descriptors, size and time of what evaluates, and the time of what reads them.
 
 ``EVALUATIONS=4000 uv run pytest -m slow -s tests/endurance/test_long_run.py`` shortens it.
 """
@@ -8,10 +8,16 @@ import subprocess
 import sys
 import sysconfig
 import time
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, suppress
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from driftform.errors import DriftformError
+from driftform.runs.store import Store
 
 pytestmark = [
     pytest.mark.slow,
@@ -31,6 +37,9 @@ RESUME_S = 2.0
 
 POINT = ("3", "0", "-0.2")
 """That ``pick`` asks for, m."""
+
+COUNTS = (500, 5_000, 20_000)
+"""Evaluations of a run by its own strategy, with its disturbed flights, at which the time of coordinator and workers is read."""
 
 STUDIES = {
     "tuned": ("pipe-inspection", "--robust", "0", "--target", "TP9"),
@@ -104,3 +113,51 @@ def test_a_run_of_20_000_evaluations_stays_small_and_is_read_quickly(tmp_path, s
         assert part[-1][0] - part[0][0] < MOST_GROWTH_MB
         assert part[-1][1] <= part[0][1] + 2
     assert times[0][0] < RESUME_S
+
+
+@pytest.mark.parametrize("place", ["this machine", "Dask"])
+def test_the_coordinator_needs_little_of_an_evaluation_however_long_the_run(
+    tmp_path: Path,
+    place: str,
+    dask: Callable[..., AbstractContextManager[Any]],
+    dask_scheduler: Callable[[], AbstractContextManager[tuple[str, Any]]],
+    count_of: Callable[[str, int], int],
+    show_row: Callable[..., None],
+) -> None:
+    counts = [count for count in COUNTS if count <= count_of("EVALUATIONS", COUNTS[-1])]
+    words = ["evolve", "--seed", "1", "--evaluations", str(counts[-1]), "--workers", "2", "--out", "run"]
+    with ExitStack() as stack:
+        others: list[int] = []
+        if place == "Dask":
+            address, _ = stack.enter_context(dask_scheduler())
+            workers = [stack.enter_context(dask("worker", address, "--nthreads", 1, cwd=tmp_path)) for _ in range(2)]
+            others = [worker.pid for worker in workers]
+            words = [*words[:5], "--scheduler", address, *words[7:]]
+        log = stack.enter_context((tmp_path / "log").open("wb"))
+        process = stack.enter_context(subprocess.Popen([PROGRAM, *words], cwd=tmp_path, stdout=log, stderr=log))
+        marks: list[tuple[int, float, float]] = []
+        for wanted in (COUNTS[0] // 10, *counts):
+            while (done := read_count(tmp_path / "run")) < wanted and process.poll() is None:
+                time.sleep(0.2)
+            pids = others or list_workers(process.pid)
+            marks.append((done, look(process.pid)[2], sum(cpu_of_family(pid) for pid in pids)))
+        process.terminate()
+    cells = []
+    for (first, own, workers_own), (done, later, workers_later) in pairwise(marks):
+        mine, theirs = (1e3 * (b - a) / (done - first) for a, b in ((own, later), (workers_own, workers_later)))
+        cells.append(f"{mine:.2f}; {theirs:.1f}; {theirs / mine:.0f}")
+    show_row("coordinator", place, *cells)
+    assert len(cells) == len(counts)
+
+
+def read_count(run: Path) -> int:
+    """How many evaluations a run has stored, 0 before it begins."""
+    with suppress(DriftformError, OSError), Store.open(run / "run.db", read_only=True, check=False) as store:
+        return store.count()
+    return 0
+
+
+def cpu_of_family(process: int) -> float:
+    """CPU time (s) of a process and of those that it started: a Dask worker has a nanny."""
+    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return look(process)[2] + sum(map(cpu_of_family, map(int, children)))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from driftform.agent import mass_properties
 from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult, Store
+from driftform.search import finalists
 from driftform.search.disturbed import draw_rounds
 from driftform.search.finalists import (
     ROUND,
@@ -286,7 +287,7 @@ class Table:
         self.conditions = draw_rounds(study)
         self.undisturbed, self.disturbed = undisturbed, disturbed
         self.rows = {}
-        self.begin = None
+        self.begin, self.miss = None, 1.0
 
     def evaluate(self, jobs):
         for job in jobs:
@@ -294,7 +295,7 @@ class Table:
             scores = self.undisturbed[row]
             if job.condition is not None and job.condition.specimen is not Specimen.BASELINE:
                 scores = self.disturbed[row, self.conditions.index(job.condition)]
-            yield [(job.index, Evaluation(job.genome, scores, offsets=np.ones((2, 3))))]
+            yield [(job.index, Evaluation(job.genome, scores, offsets=np.full((2, 3), self.miss)))]
 
 
 @settings(max_examples=15, deadline=None)
@@ -318,8 +319,8 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed, score, leve
         found = [find_winner(study, store, target) for target in ("TP2", "TP6")]
         masses = weigh_prints(study, store)
         flights = len(store.list_disturbed())
-    reaching, near = undisturbed >= 99, undisturbed >= 95
-    may = np.where(reaching.any(axis=0), reaching, np.where(near.any(axis=0), near, True))
+    near = undisturbed >= 95
+    may = np.where(near.any(axis=0), near, True)
     finalists = {
         row for n in (0, 1) for row in sorted(np.flatnonzero(may[:, n]), key=lambda row: -undisturbed[row, n])[:2]
     }
@@ -346,6 +347,20 @@ def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh
         winner = find_winner(study, store, "TP2")
     assert winner is not None and winner.index == 1
     assert [winner.promises[specimen].misses.count for specimen in FLOWN] == [3] * len(FLOWN)
+
+
+@pytest.mark.parametrize(("miss", "wins"), [(0.1, True), (1.0, False)])
+def test_a_plain_body_that_keeps_its_target_wins_unless_another_is_better_by_a_tenth(tmp_path, monkeypatch, miss, wins):
+    monkeypatch.setattr(finalists, "find_plain", lambda study, genomes: {1}.intersection(genomes))
+    study = study_of("robustness.score='mean'", "robustness.conditions=4", "robustness.survey=0")
+    undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 4 + 3 * len(FLOWN), 2), 98.0)
+    undisturbed[:2], disturbed[1] = [[99.9], [99.5]], 97.85
+    executor = Table(study, undisturbed, disturbed)
+    executor.miss = miss
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        assert (find_winner(study, store, "TP2").index == 1) == wins
 
 
 def test_a_finalist_that_is_as_perfect_as_the_best_of_the_search_flies_on(tmp_path):

@@ -3,7 +3,7 @@
 What a shape is worth is the difference to it. It is an agent as any other: its genome is the one without modules.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -98,7 +98,9 @@ def tune_baselines(study: Study, executor: Executor, targets: Sequence[int]) -> 
 
 def read_baselines(store: Store) -> dict[int, Baseline]:
     """Return the baselines of a run, by number of target; none before they are tuned, or in a run of an earlier version."""
-    return {row["target"]: _read(row["baseline"]) for row in store.read_facts(FACTS).get("all", [])}
+    rows = store.read_facts(FACTS).get("all", [])
+    genomes = [Genome(**g | {"symbols": tuple(g["symbols"])}) for g in (row["baseline"]["genome"] for row in rows)]
+    return {row["target"]: Baseline(**row["baseline"] | {"genome": g}) for row, g in zip(rows, genomes, strict=True)}
 
 
 def find_baselines(study: Study, store: Store, executor: Executor, targets: Sequence[int]) -> dict[int, Baseline]:
@@ -109,11 +111,6 @@ def find_baselines(study: Study, store: Store, executor: Executor, targets: Sequ
     rows = [{"target": target, "baseline": asdict(baseline)} for target, baseline in baselines.items()]
     store.write_facts(FACTS, {"all": rows})
     return {target: baselines[target] for target in targets if target in baselines}
-
-
-def _read(row: Mapping[str, Any]) -> Baseline:
-    genome = row["genome"]
-    return Baseline(**{**row, "genome": Genome(genome["grammar"], tuple(genome["symbols"]), genome["tuning"])})
 
 
 def _find_tuning(pipeline: Pipeline) -> Callable[[float], Baseline] | None:

@@ -18,7 +18,7 @@ from driftform.motion.path.targets import find_offsets, find_within
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store
-from driftform.runs.wording import describe_result, name_verdict
+from driftform.runs.wording import KEPT, describe_result, name_verdict
 from driftform.search.baseline import Baseline, find_baselines, read_baselines
 from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.journal import Journal
@@ -99,13 +99,9 @@ class _Count:
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
-    """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed.
-
-    If none does, it is those that come near it; if none does that either, all.
-    """
-    verdicts = [fitness.judge(value) for value in undisturbed.values()]
-    best = next((v for v in (Verdict.REACHED, Verdict.NEAR) if v in verdicts), None)
-    return np.array([best in (None, verdict) for verdict in verdicts])
+    """Return which evaluations may be chosen for a target, (n,): those that come near it undisturbed, or all if none does."""
+    near = np.array([fitness.judge(value) is not Verdict.MISSED for value in undisturbed.values()], dtype=bool)
+    return near if near.any() else ~near
 
 
 def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> list[int]:
@@ -161,13 +157,8 @@ def _race(
     for first in range(0, count, ROUND):
         end = min(first + ROUND, count)
         fly_on(racing, first, end, len(racing) * (count - end))
-        bars = {index: lower_bar(best, PLAIN if index in plain else EQUAL) for index in racing}
+        bars = {index: best - (PLAIN if index in plain else EQUAL) * (100 - best) for index in racing}
         racing = [index for index in racing if (bound(index, end) >= bars[index])[finalists[index]].any()]
-
-
-def lower_bar(best: Any, share: float = EQUAL) -> Any:
-    """Return the least score (%) that is equal to the best, a number or an array."""
-    return best - share * (100.0 - best)
 
 
 def find_plain(study: Study, genomes: Mapping[int, Genome]) -> set[int]:
@@ -182,20 +173,10 @@ def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
     It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``. Failed flights, NaN, say
     nothing; if most failed, the score is 0.
     """
-    failed = np.isnan(fitness)
-    if failed.any():
-        columns = [column[~bad] for column, bad in zip(fitness.T, failed.T, strict=True)]
-        return np.array(
-            [
-                robust_fitness(column[:, None], robustness)[0] if 2 * len(column) > len(fitness) else 0.0
-                for column in columns
-            ]
-        )
-    if robustness.score == "mean":
-        return np.asarray(fitness.mean(axis=0))
-    if robustness.score == "worst":
-        return np.asarray(fitness.min(axis=0))
-    return np.asarray(np.quantile(fitness, robustness.quantile, axis=0))
+    sound = np.where(2 * np.isnan(fitness).sum(axis=0) < len(fitness), fitness, 0.0)
+    if robustness.score == "quantile":
+        return np.asarray(np.nanquantile(sound, robustness.quantile, axis=0))
+    return np.asarray((np.nanmin if robustness.score == "worst" else np.nanmean)(sound, axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,9 +227,9 @@ class Winner:
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
 
-    One that reaches the target undisturbed goes before all that do not, and one that comes near it before the others: a body that always passes half a metre above its
-    target can be relied on, and is of no use. Of those with equal scores, by :data:`EQUAL` and :data:`PLAIN`, it is a plain body; else the one whose
-    print is the lightest; then that with the best score, the best undisturbed flight, and the earliest.
+    One that comes near the target undisturbed goes before all that do not: a body that always passes half a metre above its
+    target can be relied on, and is of no use. Of those with equal scores, by :data:`EQUAL` and :data:`PLAIN`, it is a plain body that keeps its
+    target; else the one whose print is the lightest; then that with the best score, the best undisturbed flight, and the earliest.
     """
     robustness = study.scenario.robustness
     if not robustness.conditions:
@@ -266,13 +247,20 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
     judged_fitness = np.array([[flown[index][number] for number in judged] for index in eligible])
     scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
-    bar, low = (lower_bar(max(scores.values()), share) for share in (EQUAL, PLAIN))
+    best = max(scores.values())
+    bar, low = (best - share * (100 - best) for share in (EQUAL, PLAIN))
     equals = sorted((index for index in scores if scores[index] >= low), key=lambda i: (-scores[i], -undisturbed[i], i))
+
+    def keeps(index: int) -> bool:
+        misses = store.read_offsets(target, index)
+        hits = [fitness.is_hit(flown[index][at], float(np.linalg.norm(misses[at])), within) for at in judged]
+        return bool(sum(hits) >= KEPT * first)
+
     # What has flown under the conditions of the promise was chosen before.
     decided = [i for i in equals if not all(isnan(flown[i].get(number, nan)) for number in checked)]
     if not decided and len(equals) > 1:
         genomes = {i: store.read_record(i, study.scenario.target_names).candidate.genome for i in equals}
-        pipeline, plain = study.make_pipeline(), find_plain(study, genomes)
+        pipeline, plain = study.make_pipeline(), {i for i in find_plain(study, genomes) if keeps(i)}
         equals = [i for i in equals if i in plain or scores[i] >= bar]
         masses = {i: hull_mass(pipeline.make_agent(genomes[i]).body) for i in equals}
         equals.sort(key=lambda i: (i not in plain, masses[i]))

@@ -115,5 +115,4 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
 
 def _mean_fitness(undisturbed: FloatArray, disturbed: FloatArray) -> FloatArray:
     """Return the mean of an undisturbed flight, (targets,), and of disturbed ones, (flights, targets), NaN if they failed."""
-    flights = np.vstack([undisturbed, disturbed])
-    return np.asarray(np.nanmean(flights, axis=0) if np.isnan(disturbed).any() else flights.mean(axis=0))
+    return np.asarray(np.nanmean(np.vstack([undisturbed, disturbed]), axis=0))

@@ -11,7 +11,6 @@ from enum import StrEnum
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
 from driftform.water.flow import PipeFlow, UniformFlow
@@ -283,9 +282,9 @@ def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 0.9 else np.array([-1.0, 0.0, 0.0])
-    level = cross(up, direction)
+    level = np.cross(up, direction)
     level /= np.linalg.norm(level)
-    return level, cross(direction, level)
+    return level, np.cross(direction, level)
 
 
 def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:

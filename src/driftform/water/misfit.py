@@ -7,7 +7,6 @@ import numpy as np
 
 from driftform.agent.clearance import farthest_from_line, lowest_along
 from driftform.types import Body, FloatArray
-from driftform.util.vectors import cross
 from driftform.water import Scenario
 from driftform.water.parts.shapes import Opening, Straight
 
@@ -59,22 +58,23 @@ def find_violations(body: Body, scenario: Scenario) -> dict[str, float]:
 
 def _find_excess_width(body: Body, scenario: Scenario) -> str | None:
     """Return by how much a body is wider than the port or the bore, in one line; ``None`` if it is not."""
-    port, wide = scenario.release.port, body.max_diameter
-    if port and wide > port * (1 + _ROUNDING):
+    over, wide = find_violations(body, scenario), body.max_diameter
+    if over["port"] > _ROUNDING * wide:
         return (
-            f"it does not pass the port: {show_length(wide)} across, {show_length(wide - port)} more than release.port = "
-            f"{port:g} m: make it narrower (builder.max_radius), or the port wider"
+            f"it does not pass the port: {show_length(wide)} across, {show_length(over['port'])} more than release.port = "
+            f"{scenario.release.port:g} m: make it narrower (builder.max_radius), or the port wider"
         )
-    bore = math.inf if scenario.pipe.is_open else 2 * scenario.pipe.layout.inlet.radius
-    if wide > bore * (1 + _ROUNDING):
-        return f"it is too wide for the pipe: {show_length(wide)} across, in a bore of {show_length(bore)}"
+    if over["bore"] > _ROUNDING * wide:
+        return (
+            f"it is too wide for the pipe: {show_length(wide)} across, in a bore of {show_length(wide - over['bore'])}"
+        )
     return None
 
 
 def _reach_from_axis(body: Body, position: FloatArray, axis: FloatArray, inlet: Opening) -> float:
     """Return the greatest distance (m) of a released body from the axis of the inlet; a bound of it if that fits already."""
     direction = inlet.axes[0]
-    off_axis = math.hypot(*cross(position - inlet.centre, direction).tolist())
+    off_axis = math.hypot(*np.cross(position - inlet.centre, direction).tolist())
     bound = off_axis + float(np.hypot(*body.outer.T).max())
     if bound < inlet.radius:
         return bound

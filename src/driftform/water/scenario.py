@@ -11,7 +11,6 @@ from driftform.errors import did_you_mean
 from driftform.types import Body, FloatArray, MassProperties, Trajectory
 from driftform.util.latest import keep_latest
 from driftform.util.options import Table, describe, find_table, option
-from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
 from driftform.water.flow import (
     FLOWS,
@@ -191,7 +190,7 @@ class Robustness(Table):
     )
     finalists: int = option(
         4,
-        "finalists for each target: top agents by search score, of those that reach it undisturbed if any do",
+        "finalists for each target: top agents by search score, of those that come near it undisturbed if any do",
         gt=0,
         le=10_000,
     )
@@ -557,7 +556,7 @@ def _turn_by(cz: float, sz: float, cy: float, sy: float) -> FloatArray:
 
 def _multiply(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the product of two quaternions, (4,): the rotation ``b``, then ``a``."""
-    vector = a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])
+    vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
     return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
 
 

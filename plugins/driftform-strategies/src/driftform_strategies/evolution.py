@@ -182,8 +182,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         errors = np.array([100 - elites[0][0] if elites else 100.0 for elites in self._elites])
         weights = errors**self.options.pressure
         chance = weights / weights.sum() if weights.any() else None
-        numbers: list[int] = self.space.rng.choice(len(errors), size=self.options.batch, p=chance).tolist()
-        return numbers
+        return list(map(int, self.space.rng.choice(len(errors), size=self.options.batch, p=chance)))
 
     def _make_child(self, number: int) -> _Request:
         rng, elites, target = self.space.rng, self._elites[number], self.space.targets[number]
@@ -296,8 +295,7 @@ def position_at(trajectory: Trajectory, time: float) -> FloatArray:
     before = max(after - 1, 0)
     gap = t[after] - t[before]
     share = min(1.0, (time - t[before]) / gap) if gap > 0 else 1.0
-    found: FloatArray = position[before] + share * (position[after] - position[before])
-    return found
+    return np.asarray(position[before] + share * (position[after] - position[before]))
 
 
 def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:

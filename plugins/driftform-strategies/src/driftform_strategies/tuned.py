@@ -54,9 +54,17 @@ class TunedOptions(Table):
     cross: float = option(0.2, "share of the changed shapes that descend from two", "", ge=0, le=1)
 
 
+STEP = 1.25
+"""Factor between the roots of the net weight at which a body that rides the wall is tried under disturbed conditions."""
+
+
 @dataclass(eq=False)
 class Job:
-    """A shape on its way to hit a target: ``flights`` it had, the ``tuning`` of the next, and the miss (m) below which that matters."""
+    """A shape on its way to hit a target: ``flights`` it had, the ``tuning`` of the next, and the miss (m) below which that matters.
+
+    One that has hit, at the root ``hit`` of its net weight, is tuned on: ``root`` did best, with a ``score`` (%), and the next is
+    ``factor`` times that.
+    """
 
     shape: Shape
     target: int
@@ -64,6 +72,10 @@ class Job:
     parents: tuple[int, ...] = ()
     flights: int = 0
     bar: float = HIT
+    hit: float | None = None
+    root: float = 0.0
+    score: float = 0.0
+    factor: float = STEP
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +101,12 @@ class TunedStrategy(Strategy[TunedOptions]):
     """Evolution of shapes: each body is tuned until it hits its target, and then judged by its flights in disturbed water.
 
     The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, with
-    3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few disturbed conditions all of them, under many only
-    the best. Where none hits, those that pass nearer than all before race too. New shapes are those of the best bodies with one symbol changed, mixtures of two of them, shapes that are
-    good for another target, and random ones. No body flies twice. The first body for each target is the plain one, if the builder
-    makes one that can be tuned: it is not varied.
+    3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few
+    disturbed conditions all of them, under many only the best. Where none hits, those that pass nearer than all before race
+    too. The best body for a target, and the plain one, are tuned on there by steps of a quarter of their speed of sinking if
+    they touch the wall near the target: a lighter one, say, rides the ceiling in any gust. New shapes are those of the best
+    bodies with one symbol changed, mixtures of two of them, shapes that are good for another target, and random ones. No body
+    flies twice. The first body for each target is the plain one, if the builder makes one that can be tuned: it is not varied.
     """
 
     name = "tuned"
@@ -115,7 +129,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._bodies: dict[int, None] = {}
         self._numbers = count()
         self._unfit: set[int] = set()
-        scenario = space.scenario
+        scenario, robustness = space.scenario, space.scenario.robustness
+        self._is_surveyed = min(robustness.survey, robustness.conditions) > 0
         release, points = scenario.release_position(), scenario.target_array().reshape(-1, 3)
         # In a straight pipe a neutral body passes a target by as much above it as this lies below the release.
         drops = release[2] - points[:, 2] if scenario.pipe.straight is not None else np.zeros(len(points))
@@ -167,15 +182,46 @@ class TunedStrategy(Strategy[TunedOptions]):
             hits = flight is not None and path.name_outlet(flight, self.space.scenario) == outlet
             miss = 0.0 if hits else inf
         self._nearest[job.target] = min(miss, self._nearest[job.target])
-        if (hits or miss < job.bar) and not shape.is_plain:
-            elites = self._elites[job.target]
-            elites.append(_Elite(float(evaluation.fitness[job.target]), index, shape, root))
-            elites.sort(key=lambda elite: -elite.fitness)
-            del elites[self.options.elites :]
-        if hits:
-            return
-        if job.flights < self.options.flights and (tuning := self._find_tuning(shape, job.target)) is not None:
+        ranked, score, elites = hits or miss < job.bar, float(evaluation.fitness[job.target]), self._elites[job.target]
+        if ranked and not shape.is_plain:
+            best = _Elite(score, index, shape, root if job.hit is None else job.hit)
+            # One place for each shape, by the best of its tunings.
+            known = [elite for elite in elites if elite.shape is not shape or elite.fitness > score]
+            if all(elite.shape is not shape for elite in known):
+                known.append(best)
+            elites[:] = sorted(known, key=lambda elite: -elite.fitness)[: self.options.elites]
+        may_hit = job.hit is None and not hits and job.flights < self.options.flights
+        if may_hit and (tuning := self._find_tuning(shape, job.target)) is not None:
             job.tuning = tuning
+            self._ready.append(job)
+        elif job.hit is not None or (ranked and self._may_ride(job, evaluation)):
+            self._tune_on(job, root, score)
+
+    def _may_ride(self, job: Job, evaluation: Evaluation) -> bool:
+        """Return whether the best body for a target, or the plain one, would touch the wall before it if it rose or sank a step faster."""
+        from driftform.motion import path
+
+        elites, flight = self._elites[job.target], evaluation.trajectory
+        is_best = job.shape.is_plain or (bool(elites) and elites[0].shape is job.shape)
+        if not (self._is_surveyed and is_best) or flight is None or flight.contact is None:
+            return False
+        return bool(flight.contact <= STEP * path.approach_targets(flight, self.space.scenario)[1][job.target])
+
+    def _tune_on(self, job: Job, root: float, score: float) -> None:
+        """Take a further step in the same direction while that improves a body; try the other one if the first did not."""
+        if job.hit is None:
+            job.hit = job.root = root
+            job.score = score
+        elif score > job.score:
+            job.root, job.score = root, score
+        elif job.root == job.hit and job.factor > 1:
+            job.factor = 1 / job.factor
+        else:
+            return
+        tuning = job.shape.tune(job.root * job.factor)
+        if tuning != job.shape.tune(job.root):
+            # However it passes the target in the mean flow.
+            job.tuning, job.bar = tuning, inf
             self._ready.append(job)
 
     def _find_tuning(self, shape: Shape, target: int) -> float | None:
@@ -306,8 +352,9 @@ class TunedStrategy(Strategy[TunedOptions]):
     def _make_candidate(self, job: Job, generation: int) -> Candidate:
         """Return the next flight of a body, which matters if it hits, or, where none did, if it passes nearer than all before."""
         target = job.target
-        missed = self._started[target] > self.options.first and self._aims[target].outlet is None
-        job.bar = max(HIT, self._nearest[target]) if missed else HIT
+        if job.hit is None:
+            missed = self._started[target] > self.options.first and self._aims[target].outlet is None
+            job.bar = max(HIT, self._nearest[target]) if missed else HIT
         threshold = [inf] * len(self.space.targets)
         threshold[target] = 100 * (1 - job.bar / float(self._reach[target]))
         genome = replace(job.shape.genome, tuning=job.tuning)
