@@ -131,6 +131,8 @@ def test_the_coordinator_needs_little_of_an_evaluation_however_long_the_run(
         if place == "Dask":
             address, _ = stack.enter_context(dask_scheduler())
             workers = [stack.enter_context(dask("worker", address, "--nthreads", 1, cwd=tmp_path)) for _ in range(2)]
+            for worker in workers:
+                stack.callback(worker.terminate)
             others = [worker.pid for worker in workers]
             words = [*words[:5], "--scheduler", address, *words[7:]]
         log = stack.enter_context((tmp_path / "log").open("wb"))
@@ -159,5 +161,5 @@ def read_count(run: Path) -> int:
 
 def cpu_of_family(process: int) -> float:
     """CPU time (s) of a process and of those that it started: a Dask worker has a nanny."""
-    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    children = [c for of in Path(f"/proc/{process}/task").glob("*/children") for c in of.read_text().split()]
     return look(process)[2] + sum(map(cpu_of_family, map(int, children)))
