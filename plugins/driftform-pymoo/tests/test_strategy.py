@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from driftform.errors import InputError
-from driftform.interfaces import SearchSpace, Table
+from driftform.interfaces import Grammar, SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Evaluation
@@ -113,6 +113,9 @@ def test_objectives_that_there_are_not_or_too_many_are_refused_in_one_line():
 
 
 def test_a_grammar_without_genes_is_refused_in_one_line():
-    space = SearchSpace(LetterGrammar(Table()), ("T",), np.random.default_rng(0))
+    class NoGenes(LetterGrammar):
+        list_genes = Grammar.list_genes
+
+    space = SearchSpace(NoGenes(Table()), ("T",), np.random.default_rng(0))
     with pytest.raises(InputError, match="grammar 'letters' lists no genes"):
         PymooStrategy(PymooOptions(), space)

@@ -1,5 +1,6 @@
 """Contract of renderers."""
 
+import warnings
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -25,7 +26,10 @@ def read_film(path: Path) -> Frames:
     """Return the frames of a film, read by the ffmpeg of the package imageio-ffmpeg."""
     from imageio_ffmpeg import read_frames
 
-    facts, *frames = read_frames(path, output_params=["-fps_mode", "passthrough"])
+    with warnings.catch_warnings():
+        # It leaves its pipes to be closed by the interpreter.
+        warnings.simplefilter("ignore", ResourceWarning)
+        facts, *frames = read_frames(path, output_params=["-fps_mode", "passthrough"])
     width, height = facts["size"]
     return np.frombuffer(b"".join(frames), np.uint8).reshape(-1, height, width, 3)
 
