@@ -171,7 +171,7 @@ def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_
     result = call(*STUDY, *options, *RUN)
     assert result.exit_code == 1
     assert last_line(result) == (
-        f"error: run/best/TP1: not all of scad,deed was written: its process died 2 times ({text}); "
+        f"error: run/best/TP1: not all of scad,deed was written: its process died 5 times ({text}); "
         "write what is missing with: driftform export run:TP1 --format scad,deed"
     )
     best = tmp_path / "run" / "best" / "TP1"

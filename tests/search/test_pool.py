@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Cause, Job, WorkerDiedError, WorkersLostError
+from driftform.search.jobs import ATTEMPTS, Cause, Job, WorkerDiedError, WorkersLostError
 from driftform.search.pool import Executor
 from driftform.types import Evaluation, Genome
 
-CRASH, KILL = WorkerDiedError(Cause.CRASH, "SIGSEGV"), WorkerDiedError(Cause.KILL, "SIGKILL")
-OUTSIDE = "from outside or for want of memory"
+CRASH = WorkerDiedError(Cause.DEATH, "SIGSEGV")
 START, TIMEOUT = WorkerDiedError(Cause.START, "exit code 3"), WorkerDiedError(Cause.TIMEOUT)
 
 
@@ -69,13 +68,10 @@ def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one():
     ("deaths", "failure"),
     [
         ([CRASH] * (ATTEMPTS - 1), None),
-        ([CRASH] * ATTEMPTS, "its process died 2 times (SIGSEGV)"),
-        ([KILL] * (KILLS - 1), None),
-        ([KILL] * KILLS, f"its process was killed 5 times (SIGKILL), {OUTSIDE}"),
-        ([CRASH] * (ATTEMPTS - 1) + [KILL] * (KILLS - 1), None),
+        ([CRASH] * ATTEMPTS, "its process died 5 times (SIGSEGV)"),
         ([TIMEOUT], "its evaluation did not end within 7 s (run.evaluation_timeout)"),
-        ([START] * (STARTS - 1) + [None], None),
-        (([START] * (STARTS - 1) + [KILL]) * (KILLS - 1), None),
+        ([START] * (ATTEMPTS - 1) + [None], None),
+        (([START] * (ATTEMPTS - 1) + [CRASH]) * (ATTEMPTS - 1), None),
     ],
 )
 def test_a_genome_alone_fails_after_so_many_deaths(deaths, failure):
@@ -87,7 +83,7 @@ def test_a_genome_alone_fails_after_so_many_deaths(deaths, failure):
 
 
 def test_deaths_before_anything_began_are_blamed_on_no_genome_and_stop_the_run_after_a_few():
-    executor = FakePool(*[START] * STARTS)
+    executor = FakePool(*[START] * ATTEMPTS)
     with pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"):
         failures(executor, 6)
     assert executor.seen[0] == executor.seen[-1]
@@ -141,12 +137,12 @@ class Dying(FakePool):
 
 
 def test_a_call_is_repeated_where_its_process_dies_and_so_is_its_result():
-    executor = Dying(KILL, START, WorkerDiedError(Cause.NONE))
+    executor = Dying(CRASH, START, WorkerDiedError(Cause.NONE))
     wait_for_shape = executor.begin(min, 1)
     assert wait_for_shape() == wait_for_shape() == "a shape"
     assert len(executor.seen) == 4
     with pytest.raises(WorkerDiedError, match="SIGSEGV"):
-        Dying(*[CRASH] * KILLS).begin(min, 1)()
+        Dying(*[CRASH] * ATTEMPTS).begin(min, 1)()
     broken = Dying(InputError("it has no plugin"))
     with pytest.raises(InputError, match="no plugin"):
         broken.begin(min, 1)()

@@ -45,15 +45,10 @@ Outcome = tuple[int, Evaluation]
 """The index of a job, and its evaluation."""
 
 
-ATTEMPTS = 2
-"""A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
-
-KILLS = 5
-"""A genome fails if its process is killed this often while it evaluates this genome alone: nobody kills so steadily,
-but the kernel does if the genome takes all memory."""
-
-STARTS = 5
-"""A run stops if this many workers in a row, for each process, die before they can evaluate anything."""
+ATTEMPTS = 5
+"""A genome fails if its process dies this often while it evaluates this genome alone: nobody kills so steadily from outside,
+but a crash does, or the kernel if the genome takes all memory. A run stops if this many workers in a row, for each process,
+die before they can evaluate anything."""
 
 MAX_BATCH = 50
 """Largest number of genomes in one task."""
@@ -77,8 +72,7 @@ class Cause(Enum):
 
     NONE = "its process died while the task was waiting"
     START = "its process died before it could evaluate anything"
-    CRASH = "its process ended itself"
-    KILL = "its process was killed, by somebody or by the kernel"
+    DEATH = "its process ended itself, or was killed, by somebody or by the kernel"
     TIMEOUT = "it took longer than allowed"
 
 

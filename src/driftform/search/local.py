@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from driftform.pipeline import Pipeline
-from driftform.search.jobs import ATTEMPTS, T, rehearse
+from driftform.search.jobs import T, rehearse
 from driftform.search.pool import Executor
 from driftform.search.worker import Worker, use_pipeline
 from driftform.util.files import keep_directory
@@ -58,11 +58,10 @@ class LocalProcesses(Executor):
     def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
         """Call functions in the worker processes, at the same time, and yield what they return, in their order.
 
-        Functions and results must be picklable. A function whose process dies is called again in a new one, until that has
-        happened :data:`ATTEMPTS` times.
+        Functions and results must be picklable. A function whose process dies is called again in a new one.
         """
         try:
-            for wait_for_result in [self._begin(partial(self._start, function), ATTEMPTS) for function in functions]:
+            for wait_for_result in [self._begin(partial(self._start, function)) for function in functions]:
                 yield wait_for_result()
         except BaseException:
             # Nothing may be written any more once the caller knows of the error.

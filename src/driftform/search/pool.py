@@ -4,7 +4,7 @@
 limit no task's time, and leave their processes behind when the coordinator is killed.
 """
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
@@ -14,8 +14,6 @@ from typing import Any
 from driftform.pipeline import Pipeline
 from driftform.search.jobs import (
     ATTEMPTS,
-    KILLS,
-    STARTS,
     Cause,
     Job,
     Outcome,
@@ -46,18 +44,17 @@ class _Task:
 
     call: _Call
     jobs: Sequence[Job]
-    deaths: Counter[Cause] = field(default_factory=Counter)
+    deaths: int = 0
 
 
 class Executor:
     """Evaluates jobs, in this process or in others that share one queue: a base class.
 
     A task that had not begun when its process died is started again: its genomes are not to blame. If processes die
-    :data:`STARTS` times as often as there are processes before any begins, the run stops.
+    :data:`ATTEMPTS` times as often as there are processes before any begins, the run stops.
 
     The genomes of a task that had begun are evaluated again one by one, so that the genome to blame is known. It fails if
-    its process ends itself :data:`ATTEMPTS` times. A process that is killed was not ended by its genome, unless it takes all
-    memory: the genome fails after :data:`KILLS` times. One that takes more processor time than ``run.evaluation_timeout`` fails at once.
+    its process dies :data:`ATTEMPTS` times. One that takes more processor time than ``run.evaluation_timeout`` fails at once.
 
     Attributes:
         processes: number of genomes that are evaluated at the same time.
@@ -120,10 +117,10 @@ class Executor:
 
     def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
         """Begin a call in a worker for :meth:`driftform.interfaces.SearchSpace.begin`; what it raises, the waiting raises."""
-        return self._begin(partial(self._submit, _compute, function, args), KILLS)
+        return self._begin(partial(self._submit, _compute, function, args))
 
-    def _begin(self, start: "Callable[[], Future[T]]", most: int) -> Callable[[], T]:
-        """Start a call, and return what waits for its result; it is repeated until its process died ``most`` times."""
+    def _begin(self, start: "Callable[[], Future[T]]") -> Callable[[], T]:
+        """Start a call, and return what waits for its result; it is repeated until its process died :data:`ATTEMPTS` times."""
         futures, deaths = [start()], 0
 
         def wait_for_result() -> T:
@@ -131,7 +128,7 @@ class Executor:
             while (error := self._find_error(futures[-1])) is not None:
                 # A call that was waiting in the process of another did not begin.
                 deaths += isinstance(error, WorkerDiedError) and error.cause is not Cause.NONE
-                if deaths == most or not isinstance(error, WorkerDiedError):
+                if deaths == ATTEMPTS or not isinstance(error, WorkerDiedError):
                     raise error
                 futures.append(start())
             return futures[-1].result()
@@ -170,7 +167,7 @@ class Executor:
         """Evaluate the genomes of a task again, or fail its only one."""
         if death.cause in (Cause.NONE, Cause.START):
             self._failed_starts += death.cause is Cause.START
-            if self._failed_starts >= STARTS * self.processes:
+            if self._failed_starts >= ATTEMPTS * self.processes:
                 raise WorkersLostError(
                     f"workers cannot start here: {self._failed_starts} in a row died before they could evaluate anything "
                     f"({death.detail})"
@@ -181,13 +178,11 @@ class Executor:
         if len(task.jobs) > 1:
             self._repeated.extend(_Task(task.call, [job]) for job in task.jobs)
             return
-        task.deaths[death.cause] += 1
+        task.deaths += 1
         if death.cause is Cause.TIMEOUT:
             failure = f"its evaluation did not end within {self._timeout:g} s (run.evaluation_timeout)"
-        elif task.deaths[Cause.CRASH] >= ATTEMPTS:
+        elif task.deaths >= ATTEMPTS:
             failure = f"its process died {ATTEMPTS} times ({death.detail})"
-        elif task.deaths[Cause.KILL] >= KILLS:
-            failure = f"its process was killed {KILLS} times ({death.detail}), from outside or for want of memory"
         else:
             self._repeated.append(task)
             return

@@ -44,13 +44,6 @@ PATIENCE = 10.0
 END_S = 5.0
 """Longest wait for a killed process to end, s; one that the kernel does not release stays."""
 
-OUTSIDE_SIGNALS = frozenset(
-    -getattr(signal, name).value
-    for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
-    if hasattr(signal, name)
-)
-"""Exit codes of processes that others ended: a user, a batch system, or the kernel for want of memory."""
-
 
 class Worker:
     """A worker process for the study of a document, which starts with its first task, and again after it died.
@@ -156,21 +149,18 @@ class Worker:
         self, process: BaseProcess, connection: "Connection[Any, Any]", tasks: deque[Future[Any]], left: float | None
     ) -> None:
         """End the process, and report its death to all that wait for its tasks."""
-        cause = Cause.START if left is None else Cause.TIMEOUT if left <= 0 else Cause.CRASH
+        cause = Cause.START if left is None else Cause.TIMEOUT if left <= 0 else Cause.DEATH
         if cause is not Cause.TIMEOUT:
             process.join(TICK_S)
         _kill(process)
         process.join(END_S)
         connection.close()
-        code = process.exitcode
-        if cause is Cause.CRASH and code in OUTSIDE_SIGNALS:
-            cause = Cause.KILL
         with self._lock:
             # No task can be added any more: the next one starts another process.
             self._process = None
         while tasks:
             # The second task was only waiting in the pipe.
-            tasks.popleft().set_exception(WorkerDiedError(cause, _describe_exit(code)))
+            tasks.popleft().set_exception(WorkerDiedError(cause, _describe_exit(process.exitcode)))
             cause = Cause.NONE
 
 
@@ -195,7 +185,8 @@ def _describe_exit(code: int | None) -> str:
         return "it does not end"
     # Not every signal has a name.
     names = {-number.value: number.name for number in signal.Signals}
-    return f"exit code {code}" if code >= 0 else names.get(code, f"signal {-code}")
+    name = f"exit code {code}" if code >= 0 else names.get(code, f"signal {-code}")
+    return f"{name}, from outside or for want of memory" if name == "SIGKILL" else name
 
 
 @contextmanager
