@@ -88,15 +88,11 @@ def bodies(given: Given, outputs: "Outputs") -> None:
     from driftform_networks.planning.candidates import collect_candidates
     from driftform_networks.planning.screening import LIFT, SIZES_MM, WEIGHTS, screen_bodies
 
-    network, environment = (
-        replace(_open(given), service_bore=given.service_bore),
-        (given.scenario, given.settings or ()),
-    )
+    network = replace(_open(given), service_bore=given.service_bore)
+    environment = (given.scenario, given.settings or ())
     weights, agents = given.sphere_buoyancies or WEIGHTS, given.agents_besides or ()
-    spheres = [
-        f"sphere:{size:g}mm"
-        for size in (given.port, *(size for size in SIZES_MM if size < given.port and LIFT * size**3 > max(weights)))
-    ]
+    sizes = (size for size in SIZES_MM if size < given.port and LIFT * size**3 > max(weights))
+    spheres = [f"sphere:{size:g}mm" for size in (given.port, *sizes)]
     travellers = collect_candidates(spheres, None, 0, weights, *environment)
     travellers += collect_candidates(agents, None, 0, given.sphere_buoyancies, *environment) if agents else []
     [hour], how = _pick(given, [given.at])

@@ -48,5 +48,5 @@ def word_weight(traveller: Traveller, network: Network, passings: Mapping[int, s
         return []
     return [
         f"a tenth of a gram decides at {(milligrams < 100).sum()} of {len(tees)} tees and crosses: the water mixes bodies of at most "
-        f"{milligrams[0]:.2g} to {milligrams[-1]:.2g} mg of net weight there, and others ride along the top or the bottom"
+        f"{round(milligrams[0], 3):.2g} to {milligrams[-1]:.2g} mg of net weight there, and others ride along the top or the bottom"
     ]

@@ -1,5 +1,6 @@
 """Solves a network file by EPANET: the only module that imports it, for a process that a damaged file may end."""
 
+import tomllib
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -12,19 +13,7 @@ NODE_KINDS = ("junction", "reservoir", "tank")
 LINK_KINDS = ("cv", "pipe", "pump", "prv", "psv", "pbv", "fcv", "tcv", "gpv", "pcv")
 """Kinds by EPANET's numbers; ``cv`` is a pipe with a check valve."""
 
-LITRES = {
-    "cfs": 28.3168466,
-    "gpm": 3.785411784 / 60,
-    "mgd": 3785411.784 / 86400,
-    "imgd": 4546090 / 86400,
-    "afd": 1233481.84 / 86400,
-    "lps": 1.0,
-    "lpm": 1 / 60,
-    "mld": 1e6 / 86400,
-    "cmh": 1e3 / 3600,
-    "cmd": 1e3 / 86400,
-    "cms": 1e3,
-}
+LITRES: dict[str, float] = tomllib.loads(Path(__file__).with_name("units.toml").read_text(encoding="utf-8"))
 """Litres/s of EPANET's units of flow, in the order of its numbers; the first five go with feet and inches."""
 
 MAX_STEPS, MAX_VALUES = 100_000, 100_000_000

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import re
-from collections import Counter
+from collections import ChainMap, Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -178,7 +178,9 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, travellers: Sequence[
     words = {"ends": word_ends(plan.ends, len(plan.members)), "passings": word_passings(plan.passings)}
     lines = list_lines("plan.txt", **document, **words)
     figure = partial(plan_svg, plan, title, lines[1])
-    chosen = [one for one in travellers if one.name in {name for name, _, _ in plan.members}]
+    passings = [(name, how) for (name, _, _), how in zip(plan.members, plan.passings, strict=True)]
+    chosen, weights = _choose_bodies(travellers, passings, network, plan.steps)
+    lines += weights
     outputs.present(plan, title, document, lines, tables, figure, chosen)
 
 
@@ -217,10 +219,25 @@ def present_fleet(fleet: Fleet, title: str, outputs: Outputs, travellers: Sequen
     ends = word_ends((end for member in fleet.members for end in member.passage.ends), size)
     passings = word_passings(member.passage.passings for member in fleet.members)
     lines = list_lines("fleet.txt", **document, ends=ends, passings=passings)
-    chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
+    ways = [(member.agent, member.passage.passings) for member in fleet.members]
+    chosen, weights = _choose_bodies(travellers, ways, fleet.network, fleet.steps)
+    lines += weights
     figure = partial(fleet_svg, fleet, title, lines[0])
     saved = [] if outputs.agents is None else save_agents(chosen, outputs.agents)
     outputs.present(fleet, title, document, lines, _table_fleet(fleet), figure, chosen, saved)
+
+
+def _choose_bodies(
+    travellers: Sequence[Traveller],
+    ways: Sequence[tuple[str, Mapping[int, str]]],
+    network: Network,
+    steps: Sequence[int],
+) -> tuple[list[Traveller], list[str]]:
+    """Return the bodies that travel, of which ``ways`` have the names and passings, and for each how much its weight decides."""
+    chosen = [one for one in travellers if one.name in dict(ways)]
+    passings = {one.name: ChainMap(*(dict(how) for name, how in ways if name == one.name)) for one in chosen}
+    words = [(one.name, word_weight(one, network, passings[one.name], steps)) for one in chosen]
+    return chosen, [f"{name}: {line.partition(':')[0]}" for name, lines in words for line in lines]
 
 
 def present(document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool) -> None:

@@ -237,7 +237,11 @@ def word_ends(ends: Iterable[Ending], count: int = 1) -> str:
     for end in ends:
         reason = end.reason.partition(":")[0]
         shares[reason] = shares.get(reason, 0.0) + end.probability / count
-    parts = (f"{100 * shares[reason]:.1f} % {reason}" for reason in sorted(shares, key=lambda reason: -shares[reason]))
+    parts = (
+        f"{100 * shares[reason]:.1f} % {reason}"
+        for reason in sorted(shares, key=lambda reason: -shares[reason])
+        if shares[reason] >= 5e-4
+    )
     return f"bodies end {', '.join(parts)}"
 
 

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 BUOYANCIES = (0.0, 0.001, -0.001)
 """Net buoyancies to which each agent is trimmed by default, N: a tenth of a gram lighter or heavier than water."""
 
-USUAL = "sphere:60mm"
-"""The agent where none is named."""
-
 
 def collect_candidates(
     agents: Sequence[str],
@@ -33,7 +30,7 @@ def collect_candidates(
     """Return the bodies from which a fleet is chosen.
 
     Args:
-        agents: AGENT as every command takes it, or spheres; :data:`USUAL` if there is no run either.
+        agents: AGENT as every command takes it, or spheres; one of 60 mm if there is no run either.
         run: run from which ``count`` agents are taken besides.
         buoyancies: net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
         scenario, settings: as for :func:`driftform_networks.flights.bodies.open_traveller`.
@@ -41,7 +38,7 @@ def collect_candidates(
     Raises InputError if there is no such agent or run, or none of them can be trimmed.
     """
     environment = scenario or str(SCENARIO)
-    designs: list[Design | str] = list(agents or ([] if run else [USUAL]))
+    designs: list[Design | str] = list(agents or ([] if run else ["sphere:60mm"]))
     if run is not None:
         designs += pick_agents(run, count, environment, settings)
     found, refused = [], []

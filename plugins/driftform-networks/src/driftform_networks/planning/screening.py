@@ -92,10 +92,8 @@ def list_catches(passage: Passage) -> list[dict[str, Any]]:
 def _screen(case: Case, traveller: Traveller) -> Screened:
     """Return what a body meets from a release on."""
     network, hydraulics, fluid = case.network, case.network.hydraulics, traveller.scenario.fluid
-    steps, find = (
-        [snapshot.step for snapshot in case.snapshots],
-        Traveling(traveller, case.how.travel, None).find_barrier,
-    )
+    steps = [snapshot.step for snapshot in case.snapshots]
+    find = Traveling(traveller, case.how.travel, None).find_barrier
     obstacles, gates, openings = zip(*(find(network, link) for link in range(len(network.links))), strict=True)
     flow, speeds, fits = hydraulics.flow[steps], network.find_speeds(steps), np.array([not one for one in obstacles])
     flows, net = np.abs(flow) > STILL, traveller.agent.mass.net_buoyancy(fluid)
@@ -146,7 +144,6 @@ def _list_thresholds(traveller: Traveller, network: Network, flow: FloatArray, f
     kinds, kind = np.unique(np.column_stack([network.diameter.round(4), slopes])[pipes], axis=0, return_inverse=True)
     found = np.zeros((2, len(network.links)))
     for row, sign in enumerate((-1, 1)):
-        found[row, pipes] = np.array([moving_speed(traveller, bore, sign * slope) for bore, slope in kinds.tolist()])[
-            kind
-        ]
+        speeds = np.array([moving_speed(traveller, bore, sign * slope) for bore, slope in kinds.tolist()])
+        found[row, pipes] = speeds[kind]
     return np.asarray(np.where(flow > 0, found[1], found[0]))
