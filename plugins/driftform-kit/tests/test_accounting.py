@@ -1,6 +1,7 @@
 """What a kit weighs against what was simulated, by closed forms and by its meshes."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from driftform.study import Document, load_study
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
-from driftform_kit.cutting.accounting import kit_mass
+from driftform_kit.cutting.accounting import kit_mass, weigh_kit
+from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.kit import list_facts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
@@ -52,6 +54,15 @@ def test_facts_compare_what_is_printed_with_what_was_simulated():
     parts = sum(part["mass_kg"] for part in kit["parts"])
     assert parts + STRAIGHT.core.mass == pytest.approx(stated.mass)
     assert kit["joint"]["kind"] == "sleeve"
+
+
+def test_a_closed_kit_balances_as_its_agent_also_with_a_core_off_its_centre():
+    core = replace(STRAIGHT.core, cog=0.003)
+    job = job_of(replace(STRAIGHT, core=core))
+    parts = make_kit(job.agent.body, PartOptions(kit=True))
+    mass, moment = weigh_kit(job.agent, parts, PartOptions(kit=True)).closed(1.0)
+    stated = kit_mass(job.agent.body, PartOptions(kit=True))
+    assert (mass, moment) == pytest.approx((stated.mass, stated.mass * stated.cog[0]))
 
 
 KITS = [{}, {"joint": "rabbet"}, {"o_ring": 0.0015}, {"joint": "bayonet"}, {"bed": (0.25, 0.21, 0.05)}]

@@ -66,6 +66,8 @@ def test_what_is_added_outside_weighs_what_is_missing_under_water(design):
     for name, mass in facts["added"].items():
         assert mass - 999.1 * mass / ADDED[name] == pytest.approx(0.002)
     assert np.diff(list(facts["added"].values())).max() > 0 and facts["foam"] == 0
+    heavy = trim_in_water(design, find_net_weight(design.agent, fluid) + 0.002)
+    assert heavy["foam"] * (999.1 - 35.0) == pytest.approx(0.002) and heavy["added"] == {}
 
 
 def test_untrimmed_it_flies_with_the_net_weight_that_the_scale_shows(done):

@@ -8,7 +8,7 @@ from prints import chain_body, job_of, weigh_meshes
 from driftform import open_agent
 from driftform.agent import MassElement, mass_properties
 from driftform_frusta.kit_options import PartOptions
-from driftform_kit.hang import find_reading, share_putty
+from driftform_kit.hang import find_reading, share_putty, trim_in_water
 from driftform_kit.sheet.contents import plan_sheet
 
 BODY = chain_body("ssssssss", "ssssss", made_as="kit", pockets={"diameter": 0.005})
@@ -59,5 +59,8 @@ def test_trim_and_check_say_what_the_pockets_of_a_sealed_print_take(call):
     facts = json.loads(call("trim", *given, "--json").stdout)
     assert facts["missing"] == pytest.approx(1e-3) and facts["rest"] == pytest.approx(0, abs=1e-9)
     assert facts["added"] == {} and facts["pockets"] and "trimmed" in facts["ends"]
+    full = trim_in_water(design, find_reading(agent, fluid, fluid.celsius) - 0.004)
+    water = 1 - fluid.density / 10_200
+    assert full["rest"] == pytest.approx(0.004 - water * sum(pocket["change"] for pocket in full["pockets"]), rel=1e-3)
     assert "g of tungsten putty into the pocket at the " in call("trim", *given).stdout
     assert "changes the net weight by -" in call("check", word, "--set", setting, "--no-programs").stdout

@@ -134,6 +134,20 @@ def test_aimed_children_stray_less_than_explored_ones():
     assert strays(0.0) < 0.5 * strays(1.0)
 
 
+def test_doubt_prefers_changes_that_move_little():
+    def moves(doubt):
+        """How far the changes of guesses move a flight, m; the mean of many."""
+        found = []
+        for seed in range(5):
+            strategy = evolution(seed, random=20, explore=1.0)
+            asked, _ = played(strategy, 60)
+            strategy.options = EvolutionOptions(random=20, explore=0.0, doubt=doubt)
+            found += [abs(lift(c.genome) - lift(asked[c.parents[0]].genome)) for c in strategy.ask(20) if c.parents]
+        return float(np.mean(found))
+
+    assert moves(10.0) < 0.8 * moves(0.0)
+
+
 def test_targets_with_a_larger_error_get_more_children():
     strategy = evolution(4, ("near", "far"), random=20, batch=1000, pressure=1.0)
     genomes = [c.genome for c in strategy.ask(20)]

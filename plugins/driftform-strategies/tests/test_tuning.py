@@ -61,6 +61,8 @@ def test_a_body_that_rides_the_wall_does_not_respond_and_is_left():
         # One end is all but hit: a step that brings the other near.
         ([(0.0, 1.0), (1.0, -0.001)], -1.0, 0.98),
         ([(0.0, 0.001), (1.0, -1.0)], -1.0, 0.02),
+        # Both are far to one side: three times as far as they are apart, and no farther.
+        ([(0.0, 1.0), (0.1, 0.99)], -1.0, 0.1 + 0.3),
     ],
 )
 def test_the_next_flight_is_where_the_secant_says_and_no_end_stays_far(points, slope, found):
