@@ -53,12 +53,6 @@ def test_the_package_offers_what_it_names_and_nothing_else():
         df.evolv  # noqa: B018
 
 
-def test_a_name_is_imported_when_it_is_asked_for_and_not_before():
-    code = "import sys, driftform as df; a = 'numpy' in sys.modules; df.open_agent; print(a, 'numpy' in sys.modules)"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert out.split() == ["False", "True"]
-
-
 def test_evolve_leaves_the_run_that_the_command_leaves(run, tmp_path):
     words = ["--target", "TP3", "--target", "TP7", "--simulator", "native", "--evaluations", "20"]
     result = CliRunner().invoke(

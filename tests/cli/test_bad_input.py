@@ -230,17 +230,20 @@ def test_of_an_agent_file(refused, agent_document, tmp_path, harm, parts):
             assert part in line
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000, '{"a": ' + "9" * 5000 + "}"])
-def test_an_agent_file_that_is_none(refused, tmp_path, text):
-    (tmp_path / "agent.json").write_text(text)
-    assert refused("inspect", "agent.json").startswith("error: agent.json: is not an agent file")
-
-
-def test_an_agent_file_that_is_no_text(refused, tmp_path):
-    (tmp_path / "agent.json").write_bytes(b"\x80\x04\x95")
-    assert "agent.json: is not an agent file, which is JSON in UTF-8" in refused("inspect", "agent.json")
-    (tmp_path / "agent.json").write_bytes(b"\x00")
-    assert "agent.json: is not a text file" in refused("inspect", "agent.json")
+@pytest.mark.parametrize(
+    ("data", "line"),
+    [
+        *(
+            (text.encode(), "is not an agent file")
+            for text in ("", "{", "[]", "[" * 100_000, '{"a": ' + "9" * 5000 + "}")
+        ),
+        (b"\x80\x04\x95", "is not an agent file, which is JSON in UTF-8"),
+        (b"\x00", "is not a text file"),
+    ],
+)
+def test_an_agent_file_that_is_none(refused, tmp_path, data, line):
+    (tmp_path / "agent.json").write_bytes(data)
+    assert refused("inspect", "agent.json").startswith(f"error: agent.json: {line}")
 
 
 def test_of_export_plugins_and_scenarios(refused):

@@ -4,13 +4,12 @@ import io
 import os
 import re
 import signal
-import subprocess
 import sys
-import time
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from processes import Clock, read_until, start_on_terminal
 from rich.console import Console
 
 from driftform.cli.display import BARS, PAGE_S, PLAIN_BARS, View, draw_sparkline, progress_line
@@ -23,16 +22,6 @@ def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known():
     assert draw_sparkline(errors, 1e-7, 1) == " " + BARS[::-1]
     assert draw_sparkline([1.0, 0.0], 1e-7, 1) == "█▁"
     assert draw_sparkline([1.0, 1e-7], 1e-7, 1, PLAIN_BARS) == "#_"
-
-
-class Clock:
-    """A clock that goes when it is told to."""
-
-    def __init__(self):
-        self.now = 1000.0
-
-    def __call__(self):
-        return self.now
 
 
 def shown(view, width, height, encoding="utf-8"):
@@ -142,19 +131,9 @@ def test_names_of_targets_are_no_markup():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
 def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_goes_on(fake_plugin, tmp_path):
-    import pty
-
-    ours, theirs = pty.openpty()
     args = ("evolve", "paper", "--target", "TP1", "--seed", "1", "--simulator", "fake", "--evaluations", "5000")
-    process = subprocess.Popen(
-        [sys.executable, "-c", "from driftform.cli import main; main()", *args, "--workers", "1", "--out", "run"],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(fake_plugin), "COLUMNS": "90", "LINES": "24", "TERM": "xterm"},
-        stdin=theirs,
-        stdout=theirs,
-        stderr=theirs,
-    )
-    os.close(theirs)
+    words = (*args, "--workers", "1", "--out", "run")
+    process, ours = start_on_terminal(*words, width=90, cwd=tmp_path, PYTHONPATH=str(fake_plugin))
     seen = read_until(ours, lambda text: bool(re.search(r"[1-9]\d* of 5000 evaluations", text)))
     assert "log scale" in seen
     assert "run: Ctrl-C stops, 'driftform resume' continues" in seen
@@ -170,18 +149,3 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     assert not re.search(r"\x1b\[\d*A", table)
     last = rest.rstrip().splitlines()[-1]
     assert re.search(r"stopped after \d+ of 5000 evaluations; resume with: driftform resume run", last)
-
-
-def read_until(terminal, condition, seconds=600.0):
-    """What a terminal shows until a condition holds, or nobody writes to it any more."""
-    os.set_blocking(terminal, False)
-    text, end = "", time.monotonic() + seconds
-    while not condition(text):
-        assert time.monotonic() < end, f"it did not happen in time: {text[-2000:]}"
-        try:
-            text += os.read(terminal, 65536).decode("utf-8", "replace")
-        except BlockingIOError:
-            time.sleep(0.02)
-        except OSError:
-            return text
-    return text

@@ -160,18 +160,10 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy, monkeypatch):
         study = load_study(Document("run", store.read_study()))
         [record] = store.read_records(TARGETS, 0, 1)
 
-    class Refusing(type(study.make_plugin("builder"))):  # type: ignore[misc]
-        def build(self, morphology):
-            raise ValueError("too many modules")
+    def refuse(*_):
+        raise ValueError("too many modules")
 
-    from driftform.study import Study
-
-    plugin = Study.make_plugin
-    monkeypatch.setattr(
-        Study,
-        "make_plugin",
-        lambda self, seam: Refusing(plugin(self, seam).options) if seam == "builder" else plugin(self, seam),
-    )
+    monkeypatch.setattr("driftform_frusta.builder.FrustaBuilder.build", refuse)
     [batch] = tables.evaluation_batches(study, [record])
     assert batch["modules"] == batch["mass"] == batch["net_buoyancy"] == [None]
     assert batch["fitness_TP1"] == [float(record.evaluation.fitness[0])]

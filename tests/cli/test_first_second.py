@@ -2,7 +2,6 @@
 
 import itertools
 import os
-import signal
 import sqlite3
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
-from processes import is_alive, wait_until
 
 from driftform.search.local import InProcess
 from driftform.study import Document, load_study
@@ -178,19 +176,3 @@ def test_without_a_home_and_a_cache_the_program_works(fake_plugin, tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-@pytest.mark.parametrize("delay", [0.0, 0.3, 3.0], ids=["workers start", "workers import", "workers fly"])
-def test_killed_in_long_flights_it_leaves_no_process(start, tmp_path, delay):
-    words = ("evolve", *RUN[:-4], "--workers", 2, "--simulator", "fake", "--set", "simulator.pause=600", "--out", "run")
-    with start(*words, cwd=tmp_path) as process:
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-        end = time.monotonic() + 600
-        while len(started := [int(child) for child in children.read_text().split()]) < 3:
-            assert time.monotonic() < end and process.poll() is None
-            time.sleep(0.02)
-        time.sleep(delay)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-    wait_until(lambda: not any(map(is_alive, started)))

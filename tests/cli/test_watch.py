@@ -1,9 +1,9 @@
 """Looking on at a run: what is told is true, and the run does not notice."""
 
 import json
+import os
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import numpy as np
 import pytest
-from processes import count_evaluations, look, make_arguments, wait_until
+from processes import count_evaluations, look, make_arguments, read_until, start_on_terminal, wait_until
 
 from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
@@ -224,26 +224,9 @@ def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
 def test_on_a_terminal_the_last_picture_stays(finished_run):
-    import os
-    import pty
-
-    ours, theirs = pty.openpty()
-    code = "from driftform.cli import main; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, "watch", str(finished_run[0])],
-        env=os.environ | {"COLUMNS": "100", "LINES": "24", "TERM": "xterm"},
-        stdin=theirs,
-        stdout=theirs,
-        stderr=theirs,
-    )
-    os.close(theirs)
-    text = b""
-    try:
-        while block := os.read(ours, 65536):
-            text += block
-    except OSError:
-        pass  # Nobody writes any more.
+    process, ours = start_on_terminal("watch", str(finished_run[0]), width=100)
+    text = read_until(ours, lambda text: False)
     os.close(ours)
     assert process.wait(timeout=600) == 0
-    assert b"TP7" in text and b"20 of 20 evaluations" in text
-    assert b"finished: 20 evaluations" in text
+    assert "TP7" in text and "20 of 20 evaluations" in text
+    assert "finished: 20 evaluations" in text

@@ -79,67 +79,8 @@ def apply(whole, done):
     return whole
 
 
-STUDY = b"""base = "pipe-inspection"
-title = "A pipe"
-[pipe]
-segments = []
-radius = 0.15
-[[pipe.parts]]
-name = "entry"
-length = 3.0
-[[pipe.parts]]
-kind = "bend"
-angle_deg = 45
-radius = 0.45
-roll_deg = 90
-[[pipe.parts]]
-length = 3.0
-[flow]
-speed = 0.6
-[fluid]
-density = 998.0
-[robustness]
-conditions = 5
-[targets]
-hydrant = [1.5, 0.0, 0.1]
-other = {part = "entry", at = 1.0, clock = 12, off_wall = 0.05}
-"""
-
-TRACKS = [
-    b"t,x,y\n0,0.1,0.5\n0.033,0.101,0.47\n0.067,0.102,0.44\n",
-    b"t_ms;x_mm;y_mm\n1000,0;1100,5;1500,0\n1033,3;1100,7;1470,0\n",
-    b"scorer,DLC,DLC,DLC\nbodyparts,core,core,core\ncoords,x,y,likelihood\n0,100,350,1\n1,101,353,0.9\n",
-    b"track,frame_idx,instance.score,core.x,core.y,core.score\ntrack_0,0,0.9,300,400,0.9\ntrack_0,1,0.9,301,404,0.9\n",
-    b'"Time (ms)";"Trajectory 1/0/X";"Trajectory 1/0/Y"\n0;0,10;0,20\n33;0,11;0,19\n',
-    b"#T X Y\n0 1 2\n1 2 3\n",
-]
-
-NETWORK = b"""[JUNCTIONS]
- fork 0 0
- left 0 10
- right 0 5 day
-[RESERVOIRS]
- source 50
-[TANKS]
- tank 20 2 0 5 10 0
-[PIPES]
- main source fork 500 300 100 0 Open
- a fork left 500 200 100 0 Open
- b fork right 300 150 100 0 CV
- c right tank 300 150 100 0 Open
-[PATTERNS]
- day 0.5 1.5
-[COORDINATES]
- fork 0 0
- left 100 10
-[TIMES]
- Duration 6
- Hydraulic Timestep 1:00
-[OPTIONS]
- Units LPS
- Headloss H-W
-[END]
-"""
+CORPUS = Path(__file__).with_name("corpus")
+"""Sound files of users."""
 
 MOVED = (
     f'<object id="1">{mesh_xml()}</object><object id="2"><components>'
@@ -250,12 +191,12 @@ def read_word(path):
 
 
 READERS = {
-    "study": ("study.toml", lambda _: [STUDY], load_study),
+    "study": ("study.toml", lambda _: [(CORPUS / "study.toml").read_bytes()], load_study),
     "agent": ("agent.json", lambda f: [make_agent(f)], open_agent),
     "genome": ("word", lambda _: [b"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", b"C"], read_word),
-    "track": ("track.csv", lambda _: TRACKS, read_track),
+    "track": ("track.csv", lambda _: [path.read_bytes() for path in sorted(CORPUS.glob("*.track"))], read_track),
     "profile": ("body.csv", lambda _: [b"x_mm,r_mm\n0,5\n20,30\n150,8\n", b"x_m;r_m\n0;0\n0,2;0,03\n"], read_own_body),
-    "network": ("town.inp", lambda _: [NETWORK], read_network),
+    "network": ("town.inp", lambda _: [(CORPUS / "town.inp").read_bytes()], read_network),
     "CSV grid": ("grid.csv", lambda f: written(write_csv, f / "made.csv", table_of(make_grid())), read_grid),
     "VTK": ("grid.vtk", lambda f: write_grid(f / "made.vtk", "Version 3.0"), read_grid),
     "VTU": ("grid.vtu", lambda f: write_grid(f / "made.vtu", "Appended"), read_grid),

@@ -61,14 +61,6 @@ def row(found, name):
     return only
 
 
-def test_our_own_plugins_are_found_with_their_distribution_and_version():
-    found = {(row.seam, row.name): (row.distribution, row.state) for row in registry().contributions()}
-    assert found["grammar", "lsystem"] == ("driftform-lsystem", "ok")
-    assert found["exporter", "stl"] == found["exporter", "scad"] == ("driftform-frusta", "ok")
-    assert found["renderer", "exudyn"] == found["simulator", "exudyn"] == ("driftform-exudyn", "ok")
-    assert registry().find("fitness", "closest-approach") is ClosestApproach
-
-
 def test_a_plugin_beside_ours_is_found_and_made_with_its_options(install):
     found = install(ext_sound=SOUND.format(name="mine"))
     assert row(found, "mine").distribution == "ext_sound-plugin"
@@ -172,13 +164,6 @@ def test_a_module_that_a_plugin_imports_late_is_reported_missing_at_once(seam, p
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == module else found(name))
     [broken] = [row for row in Registry().seam(seam) if not row.available]
     assert (broken.name, broken.state) == (plugin, f"unavailable: No module named '{module}'")
-
-
-def test_a_hook_may_return_several_classes(install):
-    several = SOUND.format(name="one").replace(
-        "    return Mine", "    return [Mine, type('Other', (Mine,), {'name': 'two'})]"
-    )
-    assert {"one", "two"} <= {r.name for r in install(ext_several=several).seam("fitness")}
 
 
 OPTIONS = """

@@ -77,7 +77,7 @@ def metadata(wheel):
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_a_distribution_says_what_it_is(folder, dist):
+def test_a_distribution_says_what_it_is_and_holds_its_licence_and_its_types(folder, dist):
     name = project(folder)["name"]
     found = metadata(file_of(dist, name, ".whl"))
     assert found["License-Expression"] == "MIT" and found["License-File"] == "LICENSE"
@@ -86,11 +86,6 @@ def test_a_distribution_says_what_it_is(folder, dist):
     assert str(found.get_payload()).startswith(f"# {name}\n")
     assert found["Keywords"] and "Typing :: Typed" in (found.get_all("Classifier") or [])
     assert found["Requires-Python"] == ">=3.11"
-
-
-@pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
-def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder, dist):
-    name = project(folder)["name"]
     with tarfile.open(file_of(dist, name, ".tar.gz")) as archive:
         names = {member.partition("/")[2] for member in archive.getnames()}
     assert {"LICENSE", "README.md", "pyproject.toml"} <= names

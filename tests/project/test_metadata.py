@@ -1,6 +1,7 @@
-"""What package indexes and code hosts show of the project: authors, links, versions of Python, workflows and forms."""
+"""What package indexes and code hosts show of the project: authors, links, versions, workflows, licence and citation."""
 
 import re
+import subprocess
 import tomllib
 from itertools import chain
 from pathlib import Path
@@ -11,11 +12,16 @@ import yaml
 ROOT = Path(__file__).parents[2]
 PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyproject.toml"))]
 PYTHON = "Programming Language :: Python :: 3."
+AT_THE_TOP = {
+    ".ci", ".github", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
+    "README.md", "docs", "mkdocs.yml", "plugins", "pyproject.toml", "src", "tests",
+}  # fmt: skip
+LARGEST = 1_000_000
+"""Bytes of a file that is kept."""
 
 
 def read_project(folder):
-    table = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return table
+    return tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
 def read_yaml(*parts):
@@ -23,8 +29,7 @@ def read_yaml(*parts):
 
 
 def read_workflow(name):
-    workflow = read_yaml(".github", "workflows", name)
-    return workflow
+    return read_yaml(".github", "workflows", name)
 
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
@@ -147,3 +152,34 @@ def test_the_extra_studio_is_all_that_brings_a_server():
     names = {need.partition("=")[0].partition(">")[0] for need in project["dependencies"]}
     assert not names & {"driftform-studio", "starlette", "uvicorn", "fastapi", "nicegui"}
     assert project["optional-dependencies"]["studio"] == [f"driftform-studio=={project['version']}"]
+
+
+def test_nothing_else_and_nothing_large_is_kept():
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True).stdout
+    kept = [ROOT / name for name in listed.split("\0") if name]
+    assert {path.relative_to(ROOT).parts[0] for path in kept} == AT_THE_TOP
+    assert max(path.stat().st_size for path in kept if path.exists()) <= LARGEST
+
+
+@pytest.mark.parametrize("plugin", PROJECTS[1:], ids=lambda path: path.name)
+def test_a_plugin_has_the_licence_of_the_whole_and_a_readme_of_its_own(plugin):
+    assert (plugin / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert (plugin / "README.md").read_text(encoding="utf-8").startswith(f"# {plugin.name}\n")
+
+
+def test_the_citation_is_of_this_version_and_of_the_paper():
+    citation, project = read_yaml("CITATION.cff"), read_project(ROOT)
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert citation["authors"] == project["authors"]
+    assert citation["version"] == project["version"] and citation["license"] == project["license"]
+    [author], [paper] = citation["authors"], citation["references"]
+    assert f"*{paper['title']}*" in readme and paper["authors"]
+    year = citation["date-released"].year
+    for line in (f"author = {{{{{author['name']}}}}}", f"year = {{{year}}}", f"version = {{{project['version']}}}"):
+        assert line in readme
+
+
+def test_the_changelog_tells_of_this_version():
+    from driftform import __version__
+
+    assert f"\n## {__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

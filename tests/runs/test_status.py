@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from processes import Clock
 
 from driftform.cli.display import format_throughput, progress_line
 from driftform.runs.status import PARTS, RunStatus, Throughput
@@ -70,16 +71,6 @@ def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part_of_the_budget(
         begun = max((PARTS * index // 100 + 1 for index, _ in errors), default=0)
         expected = [min((e for i, e in errors if PARTS * i // 100 <= part), default=None) for part in range(begun)]
         assert target.list_errors() == expected
-
-
-class Clock:
-    """A clock that goes when it is told to."""
-
-    def __init__(self):
-        self.now = 1000.0
-
-    def __call__(self):
-        return self.now
 
 
 def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slow():

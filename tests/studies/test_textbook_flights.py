@@ -87,59 +87,47 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
         assert max(errors[use]) < MILLIMETRE, use
 
 
-def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, agents, workers, publish):
-    drawn = agents(1)
-    scenario = pipelines["native"].scenario
-    radius = scenario.pipe.segments[0].radius
+@pytest.mark.parametrize(
+    ("title", "where", "seed", "settings", "tolerances"),
+    [
+        ("flights up to the wall", "in the pipe, up to the wall", 1, [], (1e-11, 1e-13)),
+        ("flights with drag", "log law with drag, up to the wall", 2, DRAG_IN_LOG_LAW, (1e-9, 1e-11)),
+    ],
+)
+def test_flights_agree_with_the_textbook_up_to_the_wall(
+    title, where, seed, settings, tolerances, agents, workers, publish
+):
+    pipelines = {use: load_study("paper", settings, use={"simulator": use}).make_pipeline() for use in SIMULATORS}
+    native, rng = pipelines["native"], np.random.default_rng(3)
+    radius = native.scenario.pipe.segments[0].radius
+    drawn = [native.make_agent(agent.genome) for agent in agents(seed)]
+    # With drag, every second one leaves the vertical plane.
+    yaws = rng.uniform(-60, 60, len(drawn)) * (np.arange(len(drawn)) % 2) * bool(settings)
+    scenarios = [turned(native.scenario, yaw) for yaw in yaws.tolist()]
     lines, worst, reached = list(HEAD), {}, {}
     for use, pipeline in pipelines.items():
-        flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
-        untils = [trajectory.t[-1] if trajectory.contact is None else trajectory.contact for trajectory in flights]
-        instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
-        expected = list(workers.map(textbook_states, drawn, repeat(scenario), instants))
-        errors = [
-            largest_distance(interpolate_positions(trajectory, times), path[:, :3])
-            for trajectory, times, path in zip(flights, instants, expected, strict=True)
-        ]
-        # Where a simulator tells of the first contact, the textbook's agent must touch the wall as well.
-        touching = [
-            wall_depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
-            for agent, trajectory, times, path in zip(drawn, flights, instants, expected, strict=True)
-            if trajectory.contact is not None
-        ]
-        worst[use], reached[use] = max(errors), max(map(abs, touching))
-        lines.append(row("in the pipe, up to the wall", use, flights, errors))
-        print(f"{use}: {len(touching)} reach the wall; at its first contact the textbook's agent is off it by")
-        print(f"    {1e3 * reached[use]:.3g} mm at most; {sum(f.end.failed for f in flights)} fail later on")
-    publish("flights up to the wall", lines)
-    for use in SIMULATORS:
-        assert worst[use] < MILLIMETRE, use
-        assert reached[use] < MILLIMETRE, use
-
-
-def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_the_wall(agents, workers, publish):
-    pipelines = {
-        use: load_study("paper", DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline() for use in SIMULATORS
-    }
-    native, rng = pipelines["native"], np.random.default_rng(3)
-    drawn = [native.make_agent(agent.genome) for agent in agents(2)]
-    # Every second one leaves the vertical plane.
-    scenarios = [turned(native.scenario, k % 2 * float(rng.uniform(-60, 60))) for k in range(len(drawn))]
-    lines, worst = list(HEAD), {}
-    for use, pipeline in pipelines.items():
         flights = list(workers.map(pipeline.simulator.simulate, drawn, scenarios))
-        untils = [t.t[-1] if t.contact is None else t.contact for t in flights]
+        untils = [flight.t[-1] if flight.contact is None else flight.contact for flight in flights]
         instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
-        expected = list(workers.map(textbook_states, drawn, scenarios, instants, repeat(1e-9), repeat(1e-11)))
+        expected = list(workers.map(textbook_states, drawn, scenarios, instants, *map(repeat, tolerances)))
         errors = [
             largest_distance(interpolate_positions(flight, times), path[:, :3])
             for flight, times, path in zip(flights, instants, expected, strict=True)
         ]
-        worst[use] = max(errors)
-        lines.append(row("log law with drag, up to the wall", use, flights, errors))
-    publish("flights with drag", lines)
+        # Where a simulator tells of the first contact, the textbook's agent must touch the wall as well.
+        touching = [
+            wall_depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
+            for agent, flight, times, path in zip(drawn, flights, instants, expected, strict=True)
+            if flight.contact is not None
+        ]
+        worst[use], reached[use] = max(errors), max(map(abs, touching))
+        lines.append(row(where, use, flights, errors))
+        print(f"{use}: {len(touching)} reach the wall; at its first contact the textbook's agent is off it by")
+        print(f"    {1e3 * reached[use]:.3g} mm at most; {sum(f.end.failed for f in flights)} fail later on")
+    publish(title, lines)
     for use in SIMULATORS:
         assert worst[use] < MILLIMETRE, use
+        assert reached[use] < MILLIMETRE, use
 
 
 def turned(scenario, yaw_deg):
