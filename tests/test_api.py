@@ -6,6 +6,7 @@ import pickle
 import re
 import subprocess
 import sys
+import zipfile
 from base64 import b64decode
 from dataclasses import replace
 from xml.etree import ElementTree as ET
@@ -242,9 +243,6 @@ def test_other_surroundings_add_up_and_leave_the_agent_as_it_is():
 def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path):
     agent = df.open_agent(WORD, scenario="paper").under("fluid.density=1025")
     [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
-    import json
-    import zipfile
-
     document = json.loads(zipfile.ZipFile(path).read("Metadata/agent.json"))
     assert document["environment"]["fluid"]["density"] == 1025
 
@@ -276,28 +274,19 @@ def test_facts_are_those_that_inspect_tells():
     assert len(facts["modules"]) == 3 and "3 modules" in repr(agent)
 
 
-def test_an_agent_shows_its_section(run):
+def test_values_show_themselves_in_a_notebook(run):
     best = run["TP3"]
     [drawing] = pictures(best._repr_html_())
     assert drawing.tag.endswith("svg")
     assert ET.tostring(drawing) == ET.tostring(ET.fromstring(best._repr_svg_()))
     assert any(best.name in text for text in drawing.itertext())
-
-
-def test_a_run_shows_its_overview_and_its_targets(run):
-    html = run._repr_html_()
-    assert len(pictures(html)) == 1
-    header, *rows = cells(html)
-    assert header[0] == "target" and [row[0] for row in rows] == ["TP3", "TP7"]
+    for html in (run._repr_html_(), best.simulate()._repr_html_()):
+        assert len(pictures(html)) == 1
+        assert [row[0] for row in cells(html)[1:]] == ["TP3", "TP7"]
+    header, *rows = cells(run._repr_html_())
+    assert header[0] == "target"
     for row in rows:
         assert float(row[2]) == pytest.approx(run.best()[row[0]]["fitness"], abs=1e-3)
-
-
-def test_a_flight_shows_its_path_and_what_it_scores(run):
-    flight = run["TP3"].simulate()
-    html = flight._repr_html_()
-    assert len(pictures(html)) == 1
-    assert [row[0] for row in cells(html)[1:]] == ["TP3", "TP7"]
 
 
 def test_a_study_shows_its_plugins_and_targets_and_fits_a_line():

@@ -88,6 +88,8 @@ def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install, call):
     assert page.index("Files, programs and plugins:") < page.index("Show the tide.") < page.index("Workshop:")
     assert call("tide").stdout == "a library prints this\n"
     assert call("harbour", "enter", "Hull").stdout == "in Hull\n"
+    line = call("tide", "--height", "high").stderr
+    assert "--height" in line and line.endswith("see 'driftform tide --help'\n") and line.count("\n") == 1
     group = call("harbour", "--help").stdout
     assert "Enter the harbour." in group and "leave" in group
     page = call("harbour", "enter", "--help").stdout
@@ -107,12 +109,6 @@ def test_json_is_all_that_stdout_gets(install, call, arguments, document):
     result = call(*arguments)
     assert json.loads(result.stdout) == document
     assert result.stderr in ("a library prints this\n", "in Hull\n")
-
-
-def test_wrong_options_of_a_plugin_are_refused_in_one_line(install, refused):
-    install(ext_tide=TIDE)
-    line = refused("tide", "--height", "high")
-    assert "--height" in line and line.endswith("see 'driftform tide --help'")
 
 
 def test_a_command_that_two_plugins_claim_is_refused_with_both_names_and_leaves_their_others(install, call, refused):

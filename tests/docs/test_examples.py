@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from program import write_metadata
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
@@ -60,27 +61,16 @@ def plugin_folder(tmp_path_factory, blocks):
     folder = tmp_path_factory.mktemp("plugin")
     write_files(folder, "write-a-plugin.md", blocks)
     project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = folder / "src" / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n", encoding="utf-8"
-    )
-    points = project["entry-points"]["driftform"]
-    lines = ["[driftform]", *(f"{name} = {module}" for name, module in points.items())]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    points = "\n".join(map(" = ".join, project["entry-points"]["driftform"].items()))
+    write_metadata(folder / "src", project["name"], points, project["version"])
     return folder
 
 
 def run_python(folder, *arguments):
     environment = {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, *arguments]
     done = subprocess.run(
-        [sys.executable, *arguments],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
@@ -92,13 +82,9 @@ def run_driftform(folder, *arguments):
 
 def test_the_plugin_is_found(plugin_folder):
     rows = run_driftform(plugin_folder, "plugins", "list")["plugins"]
-    assert {
-        "seam": "fitness",
-        "name": "dwell",
-        "distribution": "driftform-dwell",
-        "version": "0.1.0",
-        "state": "ok",
-    } in rows
+    assert ["fitness", "dwell", "driftform-dwell", "0.1.0", "ok"] in [
+        [row[key] for key in ("seam", "name", "distribution", "version", "state")] for row in rows
+    ]
 
 
 @pytest.mark.long
@@ -203,11 +189,7 @@ def test_json_fields_are_as_told(outputs, pages):
         assert set(document) == top, name
         for path in told[name]:
             follow(document, path)
-
-
-@pytest.mark.long
-def test_no_field_of_a_list_is_left_out(outputs, pages):
-    told = documented(pages["cli.md"])
+    # No field of a list is left out.
     for name, key in (("plugins list", "plugins"), ("plugins show", "plugins"), ("scenarios list", "scenarios")):
         fields = {path.split(".")[1].removesuffix("[]") for path in told[name]}
         assert set(outputs[name][key][0]) == fields, name

@@ -241,13 +241,6 @@ def test_the_scores_come_in_the_order_that_is_asked_for(store):
     assert store.read_record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
 
 
-def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(store, tmp_path):
-    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
-    connection = sqlite3.connect(tmp_path / "run.db")
-    assert connection.execute("SELECT COUNT(*) FROM score").fetchone() == (2,)
-    connection.close()
-
-
 def test_a_reader_that_closes_leaves_the_log_to_the_writer(store, tmp_path):
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with Store.open(tmp_path / "run.db") as reader:
