@@ -3,8 +3,8 @@
     uv run python tests/mutations.py [--only NAME] [--count 60] [--seed 0]
     uv run python tests/mutations.py --chosen [--only NAME]
 
-The second command makes the changes of ``tests/mutants.toml``, which reach all over the house; with UPDATE_DOCS=1 it writes
-their table in docs/validation.md.
+The first command draws changes of the files in ``tests/formulas.toml``. The second makes those of ``tests/mutants.toml``,
+which reach all over the house; with UPDATE_DOCS=1 it writes their table in docs/validation.md.
 
 A mutant is another source of one file, which a child process imports in place of that on the disk; the working tree stays
 as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
@@ -35,7 +35,8 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-CHOSEN, PAGE = ROOT / "tests" / "mutants.toml", ROOT / "docs" / "validation.md"
+FORMULAS, CHOSEN = (ROOT / "tests" / name for name in ("formulas.toml", "mutants.toml"))
+PAGE = ROOT / "docs" / "validation.md"
 
 LIMIT_S = 1800
 """Time limit of the tests of a file that is unchanged, CPU s."""
@@ -62,12 +63,14 @@ MARKS, QUICK_MARKS = "not slow and not installs", "not slow and not installs and
 
 @dataclass(frozen=True)
 class Target:
-    """A file of formulas, the tests that judge it, and the functions that count as formulas."""
+    """A file, the tests that judge it, and the functions that count as formulas."""
 
     path: str
     tests: tuple[str, ...]
     functions: tuple[str, ...] = ()
     """Without any, the whole file."""
+    equivalent: tuple[str, ...] = ()
+    """Labels of mutants that no test can find."""
     marks: str = MARKS
 
     @property
@@ -79,42 +82,6 @@ class Target:
     def module(self):
         """Name of the module."""
         return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
-
-
-AGENT, FORCES, PLUGINS = "src/driftform/agent", "src/driftform/motion/forces", "plugins/driftform"
-FORMULAS = "tests/motion/test_drag_formulas.py"
-STRIPS = f"{PLUGINS}-striptheory/src/driftform_striptheory"
-NETWORKS = f"{PLUGINS}-networks/src/driftform_networks"
-
-TARGETS = (
-    Target(f"{AGENT}/solids.py", ("tests/agent/test_solids.py",)),
-    Target(f"{AGENT}/mass.py", ("tests/agent/test_mass.py",)),
-    Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
-    Target(f"{FORCES}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
-    Target(f"{FORCES}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
-    Target(f"{FORCES}/drag.py", (FORMULAS, "tests/motion/test_drag.py", "tests/motion/test_creeping.py")),
-    Target(f"{FORCES}/creeping.py", ("tests/motion/test_creeping.py",)),
-    Target(f"{FORCES}/inertia.py", ("tests/motion/test_inertia.py",)),
-    Target("src/driftform/water/scenario.py", ("tests/water/test_scenario.py",), ("load",)),
-    Target(f"{STRIPS}/coefficients.py", (f"{PLUGINS}-striptheory/tests/test_coefficients.py",)),
-    Target(f"{STRIPS}/ellipsoid.py", (f"{PLUGINS}-striptheory/tests/test_ellipsoid.py",)),
-    Target(f"{FORCES}/impact.py", ("tests/motion/test_impact.py",)),
-    Target(f"{FORCES}/contact.py", ("tests/motion/test_contact.py", "tests/motion/test_friction.py")),
-    Target(
-        f"{PLUGINS}-calibration/src/driftform_calibration/solution.py",
-        (f"{PLUGINS}-calibration/tests/test_solution.py",),
-        ("anchor", "merge_solutions", "_spread", "_list_residuals", "estimate_covariance", "correlation_time"),
-    ),
-    Target(f"{NETWORKS}/passages/passage.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
-    Target(f"{NETWORKS}/flights/junctions.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
-)
-
-EQUIVALENT = {
-    "contact.axis_in_bore: 0.0 -> 1.0": "these numbers are not read in a pipe with parts",
-    "contact.wall_wrench: 1.0 -> 1.1": "any negative number ends the list of touches",
-    "contact.wall_wrench: pressed += energy * force -> pressed -= energy * force": "only its square is used",
-}
-"""Mutants that compute the same, or differ by less than the formula itself is known, with the reason."""
 
 
 @dataclass(frozen=True)
@@ -208,6 +175,17 @@ def _put(parent, field, index, node):
         getattr(parent, field)[index] = node
 
 
+def list_targets():
+    """Return the files of formulas."""
+    rows = tomllib.loads(FORMULAS.read_text(encoding="utf-8")).items()
+    return [
+        Target(
+            path, *(tuple(row.get(key, ())) for key in ("tests", "functions")), tuple(dict(row.get("equivalent", ())))
+        )
+        for path, row in rows
+    ]
+
+
 def sample_mutants(targets, count, seed):
     """Return ``count`` mutants that are not known to be equivalent, the same number of each file while it has any."""
     rng = random.Random(seed)
@@ -215,7 +193,7 @@ def sample_mutants(targets, count, seed):
     for target in targets:
         found = list_mutants(target)
         rng.shuffle(found)
-        pools.append([mutant for mutant in found if mutant.label not in EQUIVALENT])
+        pools.append([mutant for mutant in found if mutant.label not in target.equivalent])
     chosen = []
     while len(chosen) < count and any(pools):
         for pool in pools:
@@ -256,40 +234,14 @@ def write_table(mutants, alive):
 # One run.
 
 
-class _Loader(SourceFileLoader):
-    """Loads a module from another source; its file stays the same, because data lie beside it."""
+def replace_source(target, source):
+    """Import one module from another source; its file stays the same, because data lie beside it."""
+    read = SourceFileLoader.get_code
 
-    def __init__(self, name, path, source):
-        super().__init__(name, path)
-        self.source = source
+    def get_code(loader, name):
+        return compile(source, loader.path, "exec") if name == target.module else read(loader, name)
 
-    def get_data(self, path):
-        """Return the source."""
-        return self.source.encode()
-
-    def path_stats(self, path):
-        """Raise OSError: the bytecode on the disk is that of the unchanged file."""
-        raise OSError
-
-
-class _Replacement(importlib.abc.MetaPathFinder):
-    """Import one module from another source."""
-
-    def __init__(self, target, source):
-        self.target, self.source = target, source
-
-    def find_spec(self, name, path=None, target=None):
-        """Return how the module is loaded."""
-        if name != self.target.module:
-            return None
-        file = str(ROOT / self.target.path)
-        return importlib.util.spec_from_file_location(name, file, loader=_Loader(name, file, self.source))
-
-
-def prepare_parent():
-    """Import what all children need, without any file that is changed."""
-    for name in PACKAGES:
-        importlib.import_module(name)
+    SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
 
 
 def keep_python():
@@ -322,41 +274,33 @@ def keep_python():
         setattr(fields, name, np.dtype((np.record, getattr(fields, name))))
 
 
-def start(target, source, folder, number, limit):
-    """Run the tests of a file in a child, with another source of it; return the child's process number."""
-    log = folder / f"{number}.txt"
-    pid = os.fork()
-    if pid:
-        return pid
-    signal.setitimer(signal.ITIMER_PROF, limit)
-    sys.dont_write_bytecode = True
-    stream = os.open(log, os.O_WRONLY | os.O_CREAT)
-    os.dup2(stream, 1)
-    os.dup2(stream, 2)
-    code = 3
-    try:
-        if target.marks is MARKS:
-            keep_python()
-        assert target.module not in sys.modules, f"{target.module} is imported before it is changed"
-        if source is not None:
-            sys.meta_path.insert(0, _Replacement(target, source))
-        import pytest
+def run(target, source, limit):
+    """Run the tests of a file in a child, with another source of it if one is given.
 
-        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore", "-m", target.marks)
-        code = int(pytest.main([*options, "--rootdir", str(ROOT), *target.tests]))
-    finally:
-        os._exit(code)
+    Return its exit code, negative after a signal, its CPU time (s) and what it printed.
+    """
+    with tempfile.TemporaryFile() as log:
+        if not (child := os.fork()):
+            code = 3
+            try:
+                signal.setitimer(signal.ITIMER_PROF, limit)
+                sys.dont_write_bytecode = True
+                for stream in (1, 2):
+                    os.dup2(log.fileno(), stream)
+                if target.marks is MARKS:
+                    keep_python()
+                assert target.module not in sys.modules, f"{target.module} is imported before it is changed"
+                if source is not None:
+                    replace_source(target, source)
+                import pytest
 
-
-def run_all(jobs, processes, folder):
-    """Generate the number of each job, its exit code, negative after a signal, and its CPU time (s), as they end."""
-    waiting, running = list(enumerate(jobs)), {}
-    while waiting or running:
-        while waiting and len(running) < processes:
-            number, (target, source, limit) = waiting.pop(0)
-            running[start(target, source, folder, number, limit)] = number
-        pid, status, used = os.wait4(-1, 0)
-        yield running.pop(pid), os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime
+                options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore", "-m", target.marks)
+                code = int(pytest.main([*options, "--rootdir", str(ROOT), *target.tests]))
+            finally:
+                os._exit(code)
+        _, status, used = os.wait4(child, 0)
+        log.seek(0)
+        return os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, log.read().decode(errors="replace")
 
 
 def main():
@@ -368,7 +312,6 @@ def main():
     )
     parser.add_argument("--count", type=int, default=60, help="mutants to draw, the same number of each file")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--processes", type=int, default=1, choices=(1, 2))
     parser.add_argument("--list", action="store_true", help="print the mutants without running them")
     given = parser.parse_args()
     os.chdir(ROOT)
@@ -376,35 +319,30 @@ def main():
         mutants = [mutant for mutant in list_chosen() if given.only in (None, mutant.target.name)]
         targets = list(dict.fromkeys(mutant.target for mutant in mutants))
     else:
-        targets = [target for target in TARGETS if given.only in (None, target.name)]
+        targets = [target for target in list_targets() if given.only in (None, target.name)]
         mutants = sample_mutants(targets, given.count, given.seed)
     if not mutants:
         parser.error(f"--only {given.only}: no such file")
     if given.list:
         print(*(f"{m.target.path}:{m.line} {m.label}" for m in mutants), sep="\n")
         return 0
-    prepare_parent()
-    begun = time.monotonic()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        limits = {}
-        for number, code, seconds in run_all([(target, None, LIMIT_S) for target in targets], given.processes, folder):
-            limits[targets[number]] = max(LONGER * seconds, MIN_LIMIT_S)
-            print(f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged", flush=True)
-            if code:
-                print((folder / f"{number}.txt").read_text(encoding="utf-8"))
-                return 2
-        alive = []
-        jobs = [(m.target, m.source, limits[m.target]) for m in mutants]
-        for number, code, _ in run_all(jobs, given.processes, folder):
-            mutant = mutants[number]
-            word = {0: "LIVES", -signal.SIGPROF: "too slow"}.get(code, "killed")
-            print(
-                f"{time.monotonic() - begun:6.1f} s  {word:8} {mutant.target.path}:{mutant.line} {mutant.label}",
-                flush=True,
-            )
-            if code == 0:
-                alive.append(mutant)
+    for name in PACKAGES:
+        importlib.import_module(name)
+    begun, limits, alive = time.monotonic(), {}, []
+    for target in targets:
+        code, seconds, printed = run(target, None, LIMIT_S)
+        limits[target] = max(LONGER * seconds, MIN_LIMIT_S)
+        print(f"{time.monotonic() - begun:6.1f} s  {target.name}: exit code {code} unchanged", flush=True)
+        if code:
+            print(printed)
+            return 2
+    for mutant in mutants:
+        code, *_ = run(mutant.target, mutant.source, limits[mutant.target])
+        word = {0: "LIVES", -signal.SIGPROF: "too slow"}.get(code, "killed")
+        place = f"{mutant.target.path}:{mutant.line} {mutant.label}"
+        print(f"{time.monotonic() - begun:6.1f} s  {word:8} {place}", flush=True)
+        if code == 0:
+            alive.append(mutant)
     print(f"{len(alive)} of {len(mutants)} mutants live; {time.monotonic() - begun:.0f} s")
     for mutant in alive:
         print(f"  {mutant.target.path}:{mutant.line} {mutant.label}{mutant.reason and ': '}{mutant.reason}")

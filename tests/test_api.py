@@ -135,18 +135,6 @@ def test_progress_goes_to_stderr(tmp_path, capsys):
     assert out == "" and "2/2 evaluations" in err
 
 
-def test_another_study_is_kept_out_of_a_run(run):
-    with pytest.raises(InputError, match="holds a run with other settings"):
-        df.evolve(small(seed=2), run.path, progress=False)
-
-
-@pytest.mark.parametrize("workers", [0, -1])
-def test_no_workers_are_refused(workers, tmp_path):
-    with pytest.raises(InputError, match=f"workers = {workers}"):
-        df.evolve(small(), tmp_path / "run", workers=workers)
-    assert not (tmp_path / "run").exists()
-
-
 def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_flight(tmp_path):
     study = tmp_path / "aside.toml"
     study.write_text(
@@ -222,14 +210,6 @@ def test_an_agent_flies_again_as_in_its_run(run):
     assert str(flight.end) in repr(flight)
 
 
-def test_a_flight_as_columns_is_its_trajectory(run):
-    flight = run["TP3"].simulate()
-    columns = flight.columns()
-    path = np.column_stack([columns[axis] for axis in "xyz"])
-    assert np.array_equal(path, flight.trajectory.position)
-    assert np.array_equal(columns["t"], flight.trajectory.t)
-
-
 def test_other_surroundings_add_up_and_leave_the_agent_as_it_is():
     agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
@@ -255,14 +235,6 @@ def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warnin
     # The warning's advice: without a warning, as the tests turn those into errors.
     assert len(agent.under("exporter.stl.kit=true").export("stl", tmp_path / "kit.stl")) > 2
     agent.export("svg", tmp_path / "drawing.svg")
-
-
-def test_an_unknown_setting_or_format_is_told_in_one_line():
-    agent = df.open_agent(WORD, scenario="paper")
-    with pytest.raises(InputError, match="did you mean 'speed'"):
-        agent.under("flow.sped=1")
-    with pytest.raises(InputError, match="did you mean 'stl'"):
-        agent.export("stll")
 
 
 def test_facts_are_those_that_inspect_tells():

@@ -69,16 +69,6 @@ def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes):
     assert screened.trajectory.error == expected.trajectory.error
 
 
-def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, genomes, monkeypatch):
-    def score(trajectory, scenario, agent):
-        raise ArithmeticError("no score")
-
-    monkeypatch.setattr(pipeline.fitness, "score", score)
-    screened, other = pipeline.evaluate(genomes[:2], thresholds=[NOWHERE, None])
-    assert screened.failure == other.failure
-    assert "no score" in screened.failure
-
-
 def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(pipeline, genomes):
     made = pipeline.make_agent(genomes[0])
     sent = pickle.loads(pickle.dumps(pipeline))

@@ -198,8 +198,3 @@ def test_every_command_that_our_plugins_add_is_known_with_what_installs_it():
     installed = {point.dist.name for point in metadata.entry_points(group=GROUP) if point.dist}
     expected = {name for name, owner in owners.items() if owner in installed}
     assert expected <= set(load_added().commands) <= set(BROUGHT_BY)
-
-
-@pytest.mark.usefixtures("without_plugins")
-def test_a_command_that_nobody_knows_is_a_usage_error(refused):
-    assert "No such command 'sail'" in refused("sail")

@@ -25,19 +25,6 @@ def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run, cal
     assert json.loads(call("inspect", tight, "--json").stdout) == by_text
 
 
-@pytest.mark.parametrize("command", ["inspect", "simulate", "export"])
-def test_a_builder_that_raises_is_told_in_one_line(call, command, monkeypatch):
-    def build(*_):
-        raise FloatingPointError("no wall is left")
-
-    monkeypatch.setattr("driftform_frusta.builder.FrustaBuilder.build", build)
-    result = call(command, FIGURE_2)
-    assert isinstance(result.exception, SystemExit)
-    assert result.exit_code == 1
-    [line] = result.stderr.splitlines()
-    assert "cannot be built: FloatingPointError: no wall is left" in line
-
-
 def test_an_agent_keeps_its_body_in_another_scenario(finished_run, call):
     agent = f"{finished_run[0]}:TP1"
     Path("lake.toml").write_text('base = "paper"\n[fluid]\ndensity = 1000.0\n[builder]\nwall = 0.0015\n')

@@ -4,13 +4,11 @@ import json
 import shutil
 import sqlite3
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from driftform.motion.path.approach import closest_approach
-from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import lock_run
 from driftform.runs.store import Record, Store
 from driftform.types import Candidate, Evaluation, Genome
@@ -35,13 +33,6 @@ def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy, flight
     assert told["point"] == [4.2, 0.0, -0.35]
 
 
-def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy, finished_run):
-    told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
-    picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
-    assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
-    assert StoredAgent.read(Path(picked["agent"])).genome == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
-
-
 def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy):
     picked = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
     place = ", ".join(ANYWHERE).replace("0,", "0.0,")
@@ -51,17 +42,6 @@ def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, ru
     # The stored flight is thinned to single precision.
     assert here["distance"] == pytest.approx(picked["distance"], abs=1e-4)
     assert here["t"] == pytest.approx(picked["t"], abs=1e-3)
-
-
-def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy):
-    result = call("pick", run_copy, *ANYWHERE)
-    assert result.exit_code == 0
-    path = run_copy / "picks" / "4.2_0_-0.35" / "agent.json"
-    known = StoredAgent.read(path).result
-    first, second = result.stdout.splitlines()
-    assert f"evaluation {known['evaluation']} passes closest to (4.2, 0, -0.35) m" in first
-    assert f"{1000 * known['distance']:.1f} mm" in first
-    assert second == f"agent: {path}"
 
 
 @pytest.mark.parametrize("z", ["-0.9", "-9e-1", "-.9"])
@@ -76,29 +56,6 @@ def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_r
     with lock_run(run_copy):
         assert call("pick", run_copy, *ANYWHERE).exit_code == 0
     assert (run_copy / "run.db").read_bytes() == before
-
-
-def test_what_a_writer_has_just_stored_is_found(call, run_copy, flights):
-    # The writer keeps its log: what it adds is not in the file itself yet.
-    with Store.open(run_copy / "run.db") as writer:
-        last = writer.read_record(19, ("TP1", "TP7"))
-        agent = last.candidate.genome
-        flight = flights[19]
-        aside = type(flight)(
-            flight.t,
-            flight.position * (1, 1, 0.5) + np.array([0, 0.3, 0]),
-            flight.quaternion,
-            flight.velocity,
-            flight.end,
-            error=0.0,
-        )
-        writer.add([Record(20, Candidate(agent), Evaluation(agent, np.zeros(2), aside))], ("TP1", "TP7"))
-        x, y, z = (float(value) for value in aside.position[len(aside.t) // 2])
-        result = call("pick", run_copy, x, y, z, "--json")
-        assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)
-    assert told["evaluation"] == 20
-    assert told["distance"] < 1e-5
 
 
 @pytest.mark.parametrize(

@@ -55,10 +55,3 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call):
     assert all(option["help"] for option in options.values())
     assert "hull_density" in call("plugins", "show", "frusta").stdout
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
-
-
-def test_a_plugin_that_derives_from_ours_does_not_show_its_description(call, fakes):
-    """What another class says of itself may be untrue of this one."""
-    entries = json.loads(call("plugins", "show", "heir", "--json").stdout)["plugins"]
-    assert [entry["summary"] for entry in entries] == [""]
-    assert "It has no description." in call("plugins", "show", "heir").stdout

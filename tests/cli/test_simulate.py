@@ -1,7 +1,6 @@
 """``simulate``: one flight, printed and written."""
 
 import json
-import re
 import shutil
 from pathlib import Path
 
@@ -29,14 +28,6 @@ def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call):
     assert Path("flight", "flight.svg").is_file()
 
 
-def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call):
-    paper = ("--style", "paper", "--width-mm", "85", "--set", "flight.horizon=0.5")
-    result = call("simulate", FIGURE_2, "--out", "flight", *paper)
-    assert result.exit_code == 0, result.stderr
-    assert 'width="85mm"' in Path("flight", "flight.svg").read_text()
-    assert Path("flight", "flight.pdf").is_file() == (f"{Path('flight', 'flight.pdf')}" in result.stdout)
-
-
 @pytest.mark.parametrize(
     ("options", "line"),
     [
@@ -56,16 +47,6 @@ def test_simulate_without_targets_flies_all_the_same(call):
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["fitness"] == {}
     assert call("simulate", FIGURE_2, *settings).exit_code == 0
-
-
-def test_a_simulator_that_raises_is_told_in_one_line(call, fakes):
-    result = call("simulate", FIGURE_2, "--simulator", "fake", "--set", "simulator.fail=1")
-    assert result.exit_code == 1
-    [line] = result.stderr.splitlines()
-    fault = (
-        r"simulator 'fake' failed in simulate\(\): RuntimeError: genome .* not to my taste \(in simulate, line \d+\)"
-    )
-    assert re.fullmatch(rf"error: word-\w+: cannot be flown: {fault}", line)
 
 
 def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(finished_run, call, fakes):

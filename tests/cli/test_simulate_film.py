@@ -23,19 +23,6 @@ def test_a_film_is_made_where_it_is_wanted_and_told_of(call, tmp_path):
 
 
 @pytest.mark.usefixtures("fakes")
-def test_in_json_the_film_is_a_field_and_null_without_one(call):
-    assert json.loads(call(*FLIP_BOOK, "--film", "book.txt", "--json").stdout)["film"] == "book.txt"
-    assert json.loads(call(*FLIP_BOOK, "--json").stdout)["film"] is None
-
-
-@pytest.mark.usefixtures("fakes")
-def test_off_a_terminal_a_quick_film_is_one_line_on_stderr(call):
-    pages = ("--set", "renderer.flip-book.pages=50")
-    lines = call(*FLIP_BOOK, "--film", "book.txt", *pages).stderr.splitlines()
-    assert [line.partition(",")[0] for line in lines] == ["50/50 frames"]
-
-
-@pytest.mark.usefixtures("fakes")
 def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call, tmp_path):
     result = call(*FLIP_BOOK, "--film", "book.txt", "--set", "renderer.flip-book.torn=true")
     assert result.exit_code == 1

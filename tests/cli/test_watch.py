@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from processes import count_evaluations, look, make_arguments, read_until, start_on_terminal, wait_until
 
-from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
 from driftform.runs.store import Record, Store
 from driftform.types import Candidate, Evaluation, Genome
@@ -179,17 +178,6 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
         over.set()
         for thread in monitors:
             thread.join()
-
-
-def test_whether_a_run_is_worked_on(tmp_path):
-    assert not is_worked_on(tmp_path)
-    assert list(tmp_path.iterdir()) == []
-    with lock_run(tmp_path):
-        assert is_worked_on(tmp_path)
-        assert is_worked_on(tmp_path)
-        with pytest.raises(InputError, match="another driftform process"), lock_run(tmp_path):
-            pass
-    assert not is_worked_on(tmp_path)
 
 
 def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path):

@@ -17,11 +17,10 @@ from driftform.motion.path.curve import evaluate_path, world_velocity
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing import SimulatorContract
 from driftform.testing.agents import DENSITY, GRAVITY, sphere_agent, tumbling_agent
-from driftform.testing.simulator import HEAVY, NEUTRAL, NEUTRAL_MASS, RADIUS, SPHEROID, largest_distance, water_scenario
+from driftform.testing.simulator import NEUTRAL_MASS, RADIUS, SPHEROID, largest_distance, water_scenario
 from driftform.types import Coefficients, Drag
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid
-from driftform.water.flow import UniformFlow
 
 
 class Libration:
@@ -243,19 +242,6 @@ class ClosedForms(SimulatorContract):
 
     # Water that is not uniform and steady.
 
-    @pytest.mark.parametrize(
-        ("shape", "force", "share"), [("sphere", "full", 1.0), ("spheroid", "full", 1.0), ("sphere", "paper", 1 / 3)]
-    )
-    def test_a_neutral_body_moves_with_accelerating_water(self, shape, force, share):
-        """This holds at any attitude; without the pressure gradient, as in the paper, m_A / (m + m_A) of it is left."""
-        agent = NEUTRAL if shape == "sphere" else SPHEROID.agent()
-        fluid = Fluid(density=DENSITY, gravity=GRAVITY, flow_force=force)
-        flow = UniformFlow(speed=0.0, acceleration=1.0)
-        trajectory = self.fly(agent, water_scenario(2.0, pitch_deg=35.0, flow=flow, fluid=fluid))
-        expected = np.outer(0.5 * share * trajectory.t**2, [1.0, 0.0, 0.0])
-        np.testing.assert_allclose(trajectory.position, expected, atol=1e-6)
-        np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-6)
-
     def test_a_floating_sphere_bobs_with_the_stiffness_of_its_waterline(self):
         """A sphere of half the density of water floats half under; the square of its frequency is pi r^2 rho g over its mass."""
         agent = sphere_agent(0.05, 0.5 * DENSITY * 4 / 3 * math.pi * 0.05**3)
@@ -295,21 +281,6 @@ class ClosedForms(SimulatorContract):
         times = np.linspace(0, 2.0, 201)
         back = evaluate_path(again.t, again.position - turned, velocity, times)
         assert largest_distance(interpolate_positions(trajectory, times), back) < self.agreement
-
-    def test_the_first_contact_with_the_wall_is_recorded(self):
-        """A sphere that falls freely through half a metre touches after sqrt(2 s / a); in open water ``contact`` is ``None``."""
-        acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
-        trajectory = self.fly(HEAVY, water_scenario(0.6, speed=1.0, pipe=(9.0, 0.5)))
-        # The polyline of the body is known to be a sphere.
-        fallen = math.sqrt(2 * (0.5 - RADIUS) / acceleration)
-        assert trajectory.contact == pytest.approx(fallen, rel=self.accuracy)
-        assert self.fly(HEAVY, water_scenario(0.5)).contact is None
-
-    def test_the_energy_drift_is_recorded_if_energy_is_conserved(self):
-        """Free motion conserves the energy; for damped motion ``energy_drift`` is ``None``."""
-        trajectory = self.fly(SPHEROID.agent(), water_scenario(1.2, (1.0, 0.01, 0.0)))
-        assert trajectory.energy_drift is not None and trajectory.energy_drift <= self.drift
-        assert self.fly(tumbling_agent(damped=True), water_scenario(0.5)).energy_drift is None
 
 
 def agent_of(mass):

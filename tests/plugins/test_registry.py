@@ -79,11 +79,6 @@ def test_a_misspelt_name_is_an_input_error_with_a_suggestion(seam, typed, meant)
         registry().find(seam, typed)
 
 
-def test_an_unknown_name_is_an_input_error_with_all_known_names():
-    with pytest.raises(InputError, match=r"no strategy is named 'simplex'; known: .*paper.*random"):
-        registry().find("strategy", "simplex")
-
-
 @pytest.mark.parametrize("installed", ["nothing", "driftform"])
 def test_driftform_without_plugins_says_in_one_line_what_to_install(call, monkeypatch, installed):
     every = metadata.entry_points

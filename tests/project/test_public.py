@@ -97,14 +97,6 @@ def test_what_the_docs_show_imports_public_names_alone(page):
     assert [x for b in blocks for x in find_private_imports(b, list_public()) if testing not in x] == []
 
 
-def test_an_import_of_a_private_module_is_found():
-    source = (
-        "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.path.trajectory import SAMPLE\n"
-    )
-    found = list(find_private_imports(source, list_public()))
-    assert found == ["line 3: driftform.motion.path.trajectory.SAMPLE"]
-
-
 def test_a_module_that_is_public_shows_its_public_names_alone():
     source = "from driftform.motion import forces\nforces.{}"
     assert list(find_private_imports(source.format("flight_model"), list_public())) == []

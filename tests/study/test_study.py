@@ -219,11 +219,6 @@ def test_an_item_that_a_list_does_not_have_is_refused(item):
         load_study(settings=[f"pipe.segments.{item}.radius=0.8"])
 
 
-def test_a_wrong_item_is_named_with_the_setting():
-    with pytest.raises(InputError, match=r"--set pipe.segments.0.radius=-1: pipe.segments\[0\].radius = -1"):
-        load_study(settings=["pipe.segments.0.radius=-1"])
-
-
 def test_another_kind_of_flow_drops_what_only_the_former_has():
     settings = ["flow.kind=uniform", "flow.speed=0.7", "flow.acceleration=0.1"]
     resolved = Document("agent", load_study(settings=settings).document)
@@ -233,11 +228,6 @@ def test_another_kind_of_flow_drops_what_only_the_former_has():
     assert "acceleration" not in flow
     back = load_study(Document("agent", {**resolved.data, "flow": flow}), ["flow.kind=uniform"])
     assert back.document["flow"] == {"kind": "uniform", "speed": 0.7, "acceleration": 0.0, "added": [0.0, 0.0, 0.0]}
-
-
-def test_another_kind_keeps_a_misspelt_key_for_its_error(write):
-    with pytest.raises(InputError, match="unknown key 'sped'"):
-        load_study(write(BASE + "[flow]\nsped = 1\n"), ["flow.kind=turbulent"])
 
 
 @pytest.mark.parametrize("seam", ["hydrodynamics", "simulator", "strategy"])

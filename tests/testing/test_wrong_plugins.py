@@ -43,3 +43,10 @@ def test_a_masked_score_is_refused():
     with pytest.raises(WorkFailedError, match="expected an array of 2 numbers"):
         masked = np.ma.masked_array([50.0, 60.0], mask=[False, True])
         require_scores(masked, 2, ClosestApproach(ClosestApproach.Options()))
+
+
+def test_every_contract_states_what_each_of_its_tests_asks():
+    contracts = [getattr(testing, name) for name in testing.__all__]
+    tests = [test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")]
+    assert len(tests) > 80
+    assert [test.__qualname__ for test in tests if not test.__doc__] == []

@@ -33,14 +33,6 @@ def test_every_point_and_both_flights_are_drawn(flat):
     assert len(find(svg, "path", "distance")) == 4
 
 
-def test_rows_lie_below_the_legend_and_on_the_page():
-    root = ET.fromstring(tracks_svg([panel()] * 3, "films", ""))
-    height = float(root.get("height"))
-    texts = {text.text: float(text.get("y")) for text in root.iter(f"{SVG}text")}
-    assert texts["drop-1.csv"] > texts["model before"] + 12
-    assert all(0 < y < height for y in texts.values())
-
-
 def test_an_interval_spans_its_bounds_and_unknown_factors_are_named():
     svg = intervals_svg({"cross_drag": (1.4, 1.3, 1.6)}, "factors", ["friction"])
     [bar], [dot] = find(svg, "line", "interval"), find(svg, "circle", "value")

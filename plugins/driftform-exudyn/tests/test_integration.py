@@ -69,15 +69,6 @@ def test_the_tolerance_grows_along_a_flight_and_the_settings_remain(monkeypatch)
     assert len(growing) < 0.95 * len(constant)
 
 
-def test_a_system_has_the_weight_and_the_buoyancy_of_its_agent_as_loads():
-    agent, scenario = make_agent(1), PIPELINE.scenario
-    system = exudyn_system(agent, scenario)
-    loads = [system.mbs.GetLoad(n)["loadVector"][2] for n in range(2)]
-    mass = agent.mass
-    assert loads == pytest.approx([-9.81 * mass.mass, 9.81 * scenario.fluid.density * mass.volume])
-    assert sum(loads) == pytest.approx(mass.net_buoyancy(scenario.fluid))
-
-
 def test_two_agents_in_one_system_fly_as_each_does_alone():
     agents, ends = [make_agent(1), make_agent(2)], []
     for chosen in ([0], [1], [0, 1]):

@@ -1,10 +1,8 @@
 """Genome <-> text, and what is said of bad ones."""
 
-import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.types import Genome
 from driftform_lsystem.grammar import LSystemGrammar
 from driftform_lsystem.growth import LSystemOptions
 
@@ -18,11 +16,6 @@ GENOTYPE = f"C: {RULE} | S: {RULE} | M: {RULE} | L: {RULE}"
 @pytest.mark.parametrize("text", ["C", FIGURE_2, GENOTYPE])
 def test_text_is_written_as_it_was_read(text):
     assert GRAMMAR.to_text(GRAMMAR.parse(text)) == text
-
-
-def test_a_developed_word_starts_with_the_core():
-    assert GRAMMAR.parse(Q) == Genome("lsystem", ("C", "addB", "tiltn", "1", "M", "moveB"))
-    assert GRAMMAR.parse("C") == Genome("lsystem", ("C",))
 
 
 @pytest.mark.parametrize("text", [f"C-{Q}", " addB - tiltn-1 -M-\tmoveB\n", f" C - {Q}"])
@@ -61,29 +54,3 @@ def test_an_error_in_a_text_is_one_line_with_symbol_and_position(text, message):
 
 
 GOOD = ("addB", "tiltn", "1", "M", "moveB") * 12
-
-
-@pytest.mark.parametrize(
-    ("genome", "message"),
-    [
-        (Genome("lsystem", ("C", "addB", "M")), "symbol 2 is 'M', expected a tilt (tiltp, tiltn)"),
-        (Genome("lsystem", ("C", "addB", "til\ntn")), "symbol 2 'til\\ntn' is not in the alphabet"),
-        (Genome("lsystem", (*GOOD[:59], "move")), "rule L: symbol 15 'move' is not in the alphabet; did you mean"),
-        (Genome("lsystem", GOOD[:5]), "the number of symbols is 5, but a genotype has 60, and a developed word"),
-        (Genome("other", GOOD), "the genome is one of grammar 'other', not of 'lsystem'"),
-    ],
-)
-def test_a_bad_genome_is_a_value_error_that_says_the_same(genome, message):
-    rng = np.random.default_rng(0)
-    good = Genome("lsystem", GOOD)
-    for take in (
-        GRAMMAR.express,
-        GRAMMAR.to_text,
-        lambda bad: GRAMMAR.flip(bad, 0, rng),
-        lambda bad: GRAMMAR.crossover(good, bad, rng),
-        lambda bad: GRAMMAR.crossover(bad, good, rng),
-    ):
-        with pytest.raises(ValueError) as caught:
-            take(genome)
-        assert str(caught.value).startswith(message)
-        assert "\n" not in str(caught.value)

@@ -3,7 +3,6 @@
 from collections import Counter
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -82,11 +81,6 @@ def test_the_core_of_a_developed_word_never_flips(seed, word):
     assert GRAMMAR.flip(word, 0, rng_of(seed)) == word
 
 
-def test_a_flip_beyond_the_genome_is_an_index_error():
-    with pytest.raises(IndexError):
-        GRAMMAR.flip(Genome("lsystem", ("C",)), 1, rng_of(0))
-
-
 @given(seed=SEEDS, rate=st.floats(0, 1))
 def test_to_mutate_is_to_flip_one_symbol_after_the_other(seed, rate):
     genome = GRAMMAR.random(rng_of(seed))
@@ -128,11 +122,3 @@ def test_crossover_of_developed_words_swaps_their_tails_at_a_quintuple(seed, a, 
         assert (quintuples(c), quintuples(d)) in whole
     assert len(GRAMMAR.express(c).modules) == len(quintuples(c))
     assert len(GRAMMAR.express(d).modules) == len(quintuples(d))
-
-
-def test_a_genotype_and_a_developed_word_do_not_cross():
-    rng = rng_of(0)
-    genotype, word = GRAMMAR.random(rng), Genome("lsystem", ("C",))
-    for pair in ((genotype, word), (word, genotype)):
-        with pytest.raises(ValueError, match="a genotype and a developed word cannot be crossed"):
-            GRAMMAR.crossover(*pair, rng)
