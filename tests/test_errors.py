@@ -31,10 +31,6 @@ def test_the_place_is_the_function_and_line_that_raised_the_error():
     )
 
 
-def test_an_error_that_was_never_raised_has_no_place():
-    assert describe_error(ValueError("x"), with_place=True) == "ValueError: x"
-
-
 def test_a_notebook_shows_one_line_for_each_fault():
     error = InputError("a.toml:1: first", "a.toml:2: \x1b[2Jsecond")
     assert error._render_traceback_() == ["InputError: a.toml:1: first", "InputError: a.toml:2: \\x1b[2Jsecond"]

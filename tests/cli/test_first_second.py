@@ -80,16 +80,6 @@ def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(tmp_pat
     )
 
 
-def test_an_announcement_from_the_future_does_not_silence_this_one(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(kernel_cache, "BASE", tmp_path)
-    kernel_cache.announce.__wrapped__(15)
-    # The clock has jumped back since.
-    os.utime(tmp_path / "kernels.announced", (time.time() + 1e6, time.time() + 1e6))
-    kernel_cache.announce.__wrapped__(15)
-    kernel_cache.announce.__wrapped__(15)
-    assert capsys.readouterr().err.count("compiling the equations of motion") == 2
-
-
 @pytest.fixture
 def here(fakes, monkeypatch):
     """Evaluations are made in this process."""

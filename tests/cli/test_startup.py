@@ -5,40 +5,19 @@ import sys
 
 import pytest
 
-HEAVY = (
-    "numpy",
-    "numba",
-    "pydantic",
-    "scipy",
-    "exudyn",
-    "trimesh",
-    "manifold3d",
-    "rich",
-    "sqlite3",
-    "distributed",
-    "starlette",
-    "uvicorn",
-)
-
+SHOWING_AND_STORING = ("rich", "sqlite3", "distributed", "starlette", "uvicorn")
+HEAVY = ("numpy", "numba", "pydantic", "scipy", "exudyn", "trimesh", "manifold3d", *SHOWING_AND_STORING)
 FOR_WORK = (
-    "driftform.util.compiled",
-    "driftform.search.loop",
-    "driftform.search.jobs",
-    "numba",
-    "scipy",
-    "exudyn",
-    "matplotlib",
-    "trimesh",
-    "OCP",
-    "rosbags",
-    "pymoo",
-    "ribs",
-    "pyarrow",
-    "rich",
-    "sqlite3",
-    "distributed",
-    "starlette",
-    "uvicorn",
+    *(
+        "driftform.util.compiled",
+        "driftform.search.loop",
+        "driftform.search.jobs",
+        "numba",
+        "scipy",
+        "exudyn",
+        "matplotlib",
+    ),
+    *("trimesh", "OCP", "rosbags", "pymoo", "ribs", "pyarrow", *SHOWING_AND_STORING),
 )
 """What plugins and commands need for their work, and not to be listed."""
 

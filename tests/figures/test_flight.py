@@ -1,5 +1,4 @@
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,14 +97,3 @@ def test_a_pipe_may_lie_in_any_direction(read, points, fly, end):
     across = 0.5 * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     for corner in (across, -across, along + across, along - across):
         assert np.linalg.norm(wall - corner, axis=1).min() < 3e-3
-
-
-@pytest.mark.parametrize("metres", [1.0, 2.0, 3.0, 6.0, 30.0, 1000.0])
-def test_an_agent_of_any_length_is_drawn_and_keeps_to_the_page(read, fly, pipe, make_agent, metres):
-    small = make_agent(0.1, 0.1, [0.01, 0.02, 0.01]).body
-    factor = metres / small.length
-    body = replace(small, outer=factor * small.outer, cavity=factor * small.cavity)
-    for sideways in (0.0, 0.1):
-        picture = read(flight_svg(fly(rise=-0.1, sideways=sideways), pipe, body=body))
-        assert picture.outside() == []
-        assert len(picture.all("silhouette")) >= 1

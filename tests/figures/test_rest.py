@@ -63,14 +63,6 @@ def test_the_text_depends_on_whether_the_scenario_has_a_surface(tube):
     assert describe_rest(tube(0.5), water(water_level=0.3)).startswith("Floats level")
 
 
-def test_without_gravity_nothing_floats(tube):
-    assert describe_rest(tube(0.5), water(gravity=0.0)) == ""
-
-
-def test_a_section_says_how_the_body_rests(read, tube):
-    assert read(section_svg(tube(1.2, 0.05), "", water())).one("rest").text == "Sinks and hangs upright, nose down."
-
-
 def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
     agent = tube(0.5)
     newtons = 0.5 * DENSITY * agent.mass.volume * 9.81

@@ -91,24 +91,6 @@ def test_the_centres_are_marked_where_they_are_and_their_labels_keep_apart(read,
     assert picture.overlapping_texts() == []
 
 
-def test_the_bare_core_is_drawn_as_such(read, bare):
-    picture = read(section_svg(bare, "Bare core"))
-    assert picture.outside() == []
-    assert any(text.startswith("Bare core,") for text in picture.texts)
-    assert picture.all("joints") == []
-
-
-def test_a_solid_body_is_hatched_all_over(read, points, make_agent):
-    agent = make_agent(0.05, 0.05, [0.03, 0.03])
-    solid = replace(agent, body=replace(agent.body, cavity=np.zeros((0, 2))))
-
-    def hatched(agent):
-        ends = points(read(section_svg(agent)).one("hatch")).reshape(-1, 2, 2)
-        return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum()
-
-    assert hatched(solid) > 3 * hatched(agent)
-
-
 def test_hatching_covers_the_wall_and_not_the_hole():
     square = np.array([[0.0, 0], [100, 0], [100, 100], [0, 100]])
     hole = 20 + 0.6 * square

@@ -37,11 +37,6 @@ def test_numbers_are_short(value, text):
     assert svg.format_number(value) == text
 
 
-def test_points_that_coincide_on_the_page_are_drawn_once():
-    assert svg.path_data([(0, 0), (0.001, 0), (1, 1)]) == "M0 0L1 1"
-    assert svg.path_data(np.zeros((0, 2))) == ""
-
-
 def test_a_size_in_millimetres_prints_to_scale():
     root = svg.start_document(96, 192, "", "", unit="mm")
     assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("25.4mm", "50.8mm", "0 0 96 192")

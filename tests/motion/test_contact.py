@@ -165,10 +165,6 @@ def test_dividing_a_rim_into_many_neighbours_hardly_stiffens_the_contact():
         assert many[2] == pytest.approx(np.sqrt(count) * one[2], rel=1e-9)
 
 
-def test_contact_without_a_coefficient_of_friction_is_frictionless():
-    assert force_on([2.0, 0, 0.99], velocity=[3.0, 0, 0])[0] == pytest.approx(0, abs=1e-9)
-
-
 @given(turns, st.floats(-1, 1), angles)
 def test_a_dome_is_pushed_through_its_centre_in_every_attitude(turn, x, angle):
     R = Rotation.from_rotvec(turn).as_matrix()

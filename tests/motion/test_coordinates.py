@@ -74,12 +74,6 @@ def test_the_first_sample_is_the_release(scenario):
     assert row == pytest.approx([0.0, *release_state(water.model, tilted)[:13]], abs=1e-15)
 
 
-@given(turn=st.tuples(NUMBERS, NUMBERS, NUMBERS))
-def test_a_sample_has_the_quaternion_of_the_rotation_vector(turn):
-    row, _ = sample_of(WaterForces.of(make_agent(3), SHEARED), [1.0, 0.0, 0.0, *turn], [0.0] * 6)
-    assert row[4:8] == pytest.approx(quaternion_from_rotation_vector(np.array([turn]))[0], abs=1e-12)
-
-
 SLOPING = Scenario(
     pipe=Pipe(segments=(Segment(start=(1.0, 0.0, 2.0), end=(7.0, 0.0, -6.0), radius=0.6),)),
     release=Release(position=(2.5, 0.0, 0.0)),
@@ -91,11 +85,6 @@ def test_a_flight_goes_on_while_it_is_in_the_pipe(x, z):
     water = WaterForces.of(make_agent(3), SLOPING)
     _, goes_on = sample_of(water, [x, 0.0, z, 0.0, 0.3, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     assert goes_on == (not has_left_pipe((x, 0.0, z), water.model.pipe))
-
-
-def test_without_a_pipe_a_flight_goes_on_anywhere():
-    water = WaterForces.of(make_agent(3), Scenario(pipe=Pipe(segments=())))
-    assert sample_of(water, [-1e3, 1e3, 0.0, 0.0, 0.0, 0.0], [1.0] * 6)[1]
 
 
 @pytest.mark.parametrize("broken", [np.nan, np.inf])

@@ -174,10 +174,6 @@ def test_a_body_may_have_drag_along_its_axis_alone(level, share):
     assert model_of(drag).strips.size > 0, "the equations and the check of the energy ask for strips"
 
 
-def test_a_body_without_drag_has_no_strips():
-    assert model_of(None).strips.shape == (0, 4)
-
-
 # The tail, the spin, the shear and the bore.
 
 

@@ -78,14 +78,6 @@ def test_a_path_that_comes_straight_up_and_goes_back_is_nearest_where_it_turns(t
     assert (distance, when) == pytest.approx((gap, turn), rel=1e-12)
 
 
-def test_the_ends_of_the_path_count():
-    t = np.array([0.0, 1.0])
-    path = make_trajectory(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (2, 1)))
-    distances, times = closest_approach(path, np.array([[-1.0, 0, 0], [3.0, 0, 0]]))
-    assert distances == pytest.approx([1, 2])
-    assert times == pytest.approx([0, 1])
-
-
 def test_a_flight_of_one_sample_is_a_point():
     path = make_trajectory(np.array([0.0]), np.zeros((1, 3)), np.zeros((1, 3)))
     distances, times = closest_approach(path, np.array([[3.0, 4.0, 0.0]]))

@@ -21,9 +21,6 @@ SHARP = 0.1
 ENOUGH = 0.95
 """Share of agents of which that is asked."""
 
-EXACT = 1e-10
-"""Tolerance of flights that others are compared with."""
-
 MILLIMETRE = 1e-3
 
 IN_WATER = ("flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag=strips")
@@ -48,14 +45,12 @@ def agents():
 
 @pytest.fixture
 def fly(agents, workers, count_of):
-    """Fly all agents; where they are to be ``exact``, the tolerance stays as it is, whatever the error."""
+    """Fly all agents."""
     drawn = agents(count_of("AGENTS", 100))
 
-    def fly_all(use, divisor=1.0, *more, exact=False):
+    def fly_all(use, divisor=1.0, *more):
         usual = load_study("paper", use={"simulator": use}).document["simulator"]["tolerance"]
-        settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
-        if exact:
-            settings.append("simulator.accuracy=1e3")
+        settings = [f"simulator.tolerance={usual / divisor!r}", *more]
         pipeline = load_study("paper", settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
         fitness = [
@@ -150,41 +145,3 @@ def test_the_stiffness_of_the_wall_matters_more_than_the_integrator(fly, publish
     ]
     publish("wall", lines)
     assert np.median(changes(base, stiffer)) > np.median(changes(base, tighter))
-
-
-def test_flights_that_hit_the_wall_are_as_exact_as_they_say(fly, publish):
-    exact, other = (fly(use, exact=True).flights for use in SIMULATORS)
-    doubts = np.array([distance(a, b) for a, b in zip(exact, other, strict=True)])
-    # What even the exact flights do not agree about nothing can be compared with.
-    known = doubts < 0.1 * MILLIMETRE
-    lines = [
-        "| simulator | agents | median mm | 95 % mm | worst mm | sound beyond 1 mm | estimated error at least "
-        "this | not converged |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    kept = []
-    for use in SIMULATORS:
-        flights = fly(use).flights
-        errors = np.array([distance(a, b) for a, b in zip(flights, exact, strict=True)])
-        failed = np.array([trajectory.end.failed for trajectory in flights])
-        estimates = np.array([trajectory.error for trajectory in flights])
-        counted = known & ~failed
-        beyond = counted & (errors > MILLIMETRE)
-        for index in np.flatnonzero(beyond):
-            print(f"{use}, agent {index}: {1e3 * errors[index]:.2g} mm off, says {1e3 * estimates[index]:.2g} mm")
-        for index in np.flatnonzero(failed):
-            print(f"{use}, agent {index}: {flights[index].end}, {1e3 * errors[index]:.2g} mm off")
-        some = 1e3 * errors[counted]
-        lines.append(
-            f"| {use} | {counted.sum()} | {np.median(some):.2g} | {np.quantile(some, 0.95):.2g} | {some.max():.2g} "
-            f"| {beyond.sum()} | {(estimates >= errors)[counted].sum()} | {failed.sum()} |"
-        )
-        kept.append((use, ((errors <= MILLIMETRE) | failed)[known].mean()))
-    lines += [
-        "",
-        f"For {known.sum()} of {len(known)} agents both simulators agree to 0.1 mm at a tolerance of {EXACT:g}.",
-    ]
-    publish("exactness", lines)
-    assert known.mean() >= ENOUGH
-    for use, share in kept:
-        assert share >= ENOUGH, use

@@ -51,7 +51,7 @@ ENOUGH = 0.95
 """Share of the flights flown again of which it is asked that they are as exact as they say: it is an estimate."""
 
 LOOKED_AT = 10
-"""Failed flights, and as many sound ones, that are told of in detail."""
+"""Failed flights that are evaluated as a run does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def true_errors(sound, settings, workers):
 
 
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
-def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, sensitivity, publish):
+def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, publish):
     count = count_of("AGENTS", 1000)
     ends = list(End)
     lines = [
@@ -188,13 +188,6 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         )
         print(f"{occupied}, {name}: {len(failed)} of {count} fail; of those checked {unknown} have no exact flight")
         print(f"    {' '.join(str(flown.index) for flown in failed)}")
-        for flown in (*failed[:LOOKED_AT], *sound[:LOOKED_AT]):
-            trajectory, factor = flown.trajectory, sensitivity(flown.agent, flown.scenario)
-            touch = "never" if trajectory.contact is None else f"at {trajectory.contact:.2f} s"
-            print(
-                f"    agent {flown.index}: {trajectory.end} at {trajectory.t[-1]:.2f} s, error {trajectory.error:.1g} m, touches the "
-                f"wall {touch}, gets {factor:.0e} times farther off than it starts"
-            )
         unsound += found
         beyond += far
         checked += len(errors)

@@ -48,11 +48,6 @@ def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site):
     assert study.scenario.flow.speed == 0.5 and len(study.scenario.targets) == 10
 
 
-def test_without_the_plugin_the_name_is_unknown():
-    with pytest.raises(InputError, match="neither a file nor a built-in scenario"):
-        load_study("narrow")
-
-
 def test_errors_in_it_name_it_and_the_line(site):
     install(site, "one", {"narrow.toml": NARROW.replace("speed", "sped")})
     with pytest.raises(InputError, match=r"narrow \(built in\):4: .*did you mean 'speed'"):

@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from pydantic import ValidationError
 
 from driftform.study import load_study
 from driftform.water import Fluid
@@ -12,22 +11,10 @@ from driftform.water.fluids import FLUIDS
 from driftform.water.scenario import Robustness
 
 
-@pytest.mark.parametrize("name", FLUIDS)
-def test_a_fluid_by_name_has_its_density_and_viscosity(name):
-    fluid, named = Fluid(name=name, density=1.0, viscosity=1.0, expansion=0.0, celsius=1.0), FLUIDS[name]
-    for key in ("density", "viscosity", "expansion", "celsius"):
-        assert getattr(fluid, key) == getattr(named, key)
-
-
 def test_a_fluid_replaces_the_water_of_the_scenario_that_a_study_is_based_on():
     fluid = load_study("pipe-inspection", ["fluid.name=oil"]).scenario.fluid
     assert (fluid.density, fluid.viscosity) == (860.0, 1e-4)
     assert load_study("pipe-inspection").scenario.fluid.density == 999.1
-
-
-def test_an_unknown_fluid_is_an_error():
-    with pytest.raises(ValidationError, match="methane-60bar"):
-        Fluid(name="honey")
 
 
 def test_the_fluid_of_a_disturbed_flight_keeps_its_own_density_when_it_is_read_again():

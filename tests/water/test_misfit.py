@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from driftform.errors import WorkFailedError
 from driftform.study import load_study
 from driftform.types import Body, Core
 from driftform.water import Scenario
@@ -138,11 +137,3 @@ def test_an_evaluation_says_why_its_genome_does_not_fit_and_flies_the_others():
             assert evaluation.trajectory is None
         else:
             assert "too wide" not in (evaluation.failure or "")
-
-
-def test_a_single_flight_is_refused_with_the_name_of_the_agent():
-    study = load_study("paper", settings=["pipe.segments.0.radius=0.05", "targets={A=[1,0,0]}", "release.pitch_deg=90"])
-    pipeline = study.make_pipeline()
-    agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(0)))
-    with pytest.raises(WorkFailedError, match="long one: it is released in the wall"):
-        pipeline.fly_named([agent], "long one")

@@ -101,9 +101,7 @@ def test_a_track_in_another_unit_or_upside_down_is_refused(refused, track, order
     [
         (("absent.csv",), "absent.csv: cannot be read"),
         (("ten-cate-e4.csv", "--fit", "drag"), "--fit drag: unknown factor"),
-        (("ten-cate-e4.csv", "--view", "below"), "--view below: unknown view"),
         (("ten-cate-e4.csv", "--printed-mass", "5"), "--printed-mass 5: in kg"),
-        (("ten-cate-e4.csv", "--point", "nose"), "--point nose: expected NAME=X"),
         (("ten-cate-e4.csv", "--scale-error", "0.5"), "'--scale-error': should be less than or equal to 0.2"),
     ],
 )

@@ -1,12 +1,7 @@
 """Rings against scipy's elliptic integrals, quadrature over the ring and series; equations against identities."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
-from llvmlite.binding import get_host_cpu_features
 from scipy.special import ellipe, ellipkm1
 
 from driftform.testing.bodies import cylinder_body, spheroid_body
@@ -105,25 +100,3 @@ def test_a_constant_potential_has_no_flow():
     divided = make_panels(cylinder_body(3.0, 1.0).outer, 15, 0.2)
     matrices, _, _ = assemble_equations(divided.x, divided.r, divided.lengths)
     np.testing.assert_allclose(matrices[0].sum(axis=1), 4 * np.pi, rtol=1e-13)
-
-
-COMPILE = """
-import numpy as np
-from driftform.testing.bodies import spheroid_body
-from driftform_panels.kernels import assemble_equations
-from driftform_panels.meridian import make_panels
-panels = make_panels(spheroid_body(0.06, 0.01).outer, 40, 0.02)
-assemble_equations(panels.x, panels.r, panels.lengths)
-[assembly] = assemble_equations.inspect_asm().values()
-print(assembly.count("sqrtpd"))
-"""
-
-
-@pytest.mark.long
-@pytest.mark.skipif(not get_host_cpu_features().get("avx2"), reason="the processor has no AVX2")
-def test_the_loop_over_rings_takes_several_square_roots_at_once(tmp_path):
-    # For this processor, also where the other tests are compiled for any.
-    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CPU_NAME"}
-    environment["NUMBA_CACHE_DIR"] = str(tmp_path)
-    done = subprocess.run([sys.executable, "-c", COMPILE], env=environment, capture_output=True, text=True, check=True)
-    assert int(done.stdout) > 0

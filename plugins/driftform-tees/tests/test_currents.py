@@ -51,11 +51,6 @@ def water(grid):
     return points[kept], gaps[kept], np.array(exact)
 
 
-def test_a_twentieth_of_the_bore_is_the_usual_spacing(grid):
-    assert usual_spacing(bend()) == pytest.approx(0.01)
-    np.testing.assert_allclose(grid.spacing, 0.01)
-
-
 def test_read_back_as_a_grid_it_is_the_flow_of_the_bend(file, water):
     """To 0.05 % of the mean speed (root mean square), and 2 % where straight and bend meet, where the flow has a kink."""
     points, gaps, exact = water

@@ -150,7 +150,6 @@ DEEDS = {
     "absent": lambda: [WrittenFile("never", "nowhere.never")],
     "silent": lambda: _raise(SilentError()),
     "surrogate": lambda: _raise(ValueError("half of a letter: \ud800")),
-    "foreign": lambda: _raise(KeyError("x")),
     "print": _print,
 }
 """What plugins should not do, in place of what they should."""
@@ -286,8 +285,6 @@ SCORES = {
     "negative": lambda n: np.full(n, -1.0),
     "too many": lambda n: np.full(n + 1, 50.0),
     "too few": lambda n: np.full(n - 1, 50.0),
-    "texts": lambda n: ["50"] * n,
-    "scalar": lambda n: 50.0,
     "ragged": lambda n: [[1.0], [2.0, 3.0]],
     "raising": lambda n: np.linalg.inv(np.zeros((2, 2))),
 }
@@ -317,7 +314,6 @@ CANDIDATES = {
     "exit": lambda genome: sys.exit(0),
     "generator": lambda genome: _raise(GeneratorExit()),
     "none": lambda genome: None,
-    "word": lambda genome: ["aab"],
     "target": lambda genome: [Candidate(genome, target="Mars")],
     "parents": lambda genome: [Candidate(genome, parents=(99,))],
     "threshold": lambda genome: [Candidate(genome, threshold=(1.0, 2.0))],
@@ -404,50 +400,21 @@ class FlipBook(Renderer[FlipBookOptions]):
         return None if self.options.lost else WrittenFile(self.name, str(path))
 
 
-class Heir(SlippingFitness):
-    name = "heir"
+BROUGHT = {
+    "grammar": [LetterGrammar, SlippingGrammar],
+    "builder": SlippingBuilder,
+    "hydrodynamics": SlippingHydrodynamics,
+    "checker": SlippingChecker,
+    "simulator": FakeSimulator,
+    "fitness": SlippingFitness,
+    "exporter": [RefusingExporter, DeedExporter],
+    "renderer": FlipBook,
+    "strategy": SlippingStrategy,
+}
 
 
-@hookimpl
-def driftform_grammar():
-    return [LetterGrammar, SlippingGrammar]
+def make_hook(classes):
+    return hookimpl(lambda: classes)
 
 
-@hookimpl
-def driftform_builder():
-    return SlippingBuilder
-
-
-@hookimpl
-def driftform_hydrodynamics():
-    return SlippingHydrodynamics
-
-
-@hookimpl
-def driftform_checker():
-    return SlippingChecker
-
-
-@hookimpl
-def driftform_simulator():
-    return FakeSimulator
-
-
-@hookimpl
-def driftform_fitness():
-    return [Heir, SlippingFitness]
-
-
-@hookimpl
-def driftform_exporter():
-    return [RefusingExporter, DeedExporter]
-
-
-@hookimpl
-def driftform_renderer():
-    return FlipBook
-
-
-@hookimpl
-def driftform_strategy():
-    return SlippingStrategy
+globals().update({f"driftform_{seam}": make_hook(classes) for seam, classes in BROUGHT.items()})

@@ -103,7 +103,6 @@ def test_the_path_between_parts_leads_through_the_junction():
     [
         ([{"kind": "bend", "radius": 0.1}], r"pipe.parts\[0\].radius = 0.1: the bend is tighter than its bore"),
         ([{"kind": "reducer", "length": 0.05, "radius": 0.05}], r"pipe.parts\[0\].length = 0.05: too short"),
-        ([{"kind": "reducer", "length": 0.05, "radius": 0.1}], "has this radius already"),
         ([{"kind": "tee", "branch_radius": 0.2, "share": 0.1, "branch": [WAY_OUT]}], "wider than the run"),
         ([{**TEE, "fillet": 0.001, "branch": [WAY_OUT]}], "is rounded by 0.005 to 0.025 m"),
         (
@@ -115,7 +114,6 @@ def test_the_path_between_parts_leads_through_the_junction():
         ([{**TEE, "outlet": "A"}], r"the branch of the tee has no parts: add at least \[\[pipe.parts.branch\]\]"),
         ([{"length": 1.0, "outlet": "A"}, {"length": 1.0}], "another part follows"),
         ([{"length": 1.0, "name": "a"}, {"length": 1.0, "name": "a"}], "another part has this name"),
-        ([{"length": 1.0}, {"length": 1.0, "name": "a/b"}], "must consist of letters"),
     ],
 )
 def test_parts_that_do_not_fit_are_refused_with_their_place(parts, message):
@@ -182,7 +180,6 @@ def test_parts_that_pass_each_other_closely_are_accepted(parts):
     ("values", "message"),
     [
         ({"parts": [WAY_OUT]}, "pipe.radius is missing"),
-        ({"radius": 0.1}, r"add \[\[pipe.parts\]\]"),
         ({"radius": 0.1, "parts": [WAY_OUT], "direction": [0, 0, 0]}, "pipe.direction has no length"),
         (
             {"radius": 0.1, "parts": [WAY_OUT], "segments": [{"start": [0, 0, 0], "end": [1, 0, 0], "radius": 1.0}]},
