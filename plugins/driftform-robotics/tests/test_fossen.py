@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from driftform import open_agent
+from driftform.agent import slice_solid
 from driftform.cli.app import app
 from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import largest_added_mass_ratio
@@ -411,10 +412,29 @@ def test_the_law_of_fortress_flies_remus_as_a_real_server_did(remus, export):
     assert np.linalg.norm(apart, axis=1)[1:] == pytest.approx([0.375, 2.217], rel=0.01)
 
 
-@pytest.mark.parametrize("name", ["remus", "dragged"])
-def test_the_gap_of_fortress_is_that_of_its_law_and_small(name, remus, jobs, export):
+@pytest.fixture(scope="module")
+def pocketed():
+    """A sealed agent with trim pockets, whose outer volume is not what it displaces."""
+    word = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
+    core = ("builder.core=custom", "builder.core_radius=0.01", "builder.core_mass=0.0125")
+    job = open_agent(word, "builder.pockets.diameter=0.008", *core).export_job()
+    outer = float(slice_solid(job.agent.body.outer, 1)[0, 1])
+    assert outer - job.agent.mass.volume > 5e-7
+    return job
+
+
+@pytest.mark.parametrize("gazebo", ["harmonic", "fortress"])
+def test_water_in_pockets_weighs_nothing_in_gazebo(pocketed, export, gazebo):
+    for file in ("world.sdf", "drift.sdf"):
+        law = GzSim(export("sdf", pocketed, gazebo=gazebo) / file)
+        net = pocketed.agent.mass.mass - law.density * pocketed.agent.mass.volume
+        assert law.m - law.density * law.volume == pytest.approx(net, abs=2e-5)
+
+
+@pytest.mark.parametrize("name", ["remus", "dragged", "pocketed"])
+def test_the_gap_of_fortress_is_that_of_its_law_and_small(name, remus, pocketed, jobs, export):
     """What lags is stable for bodies that have more added than own mass."""
-    job = {"remus": remus, **jobs}[name]
+    job = {"remus": remus, "pocketed": pocketed, **jobs}[name]
     link, file = make_link(job), export("sdf", job, gazebo="fortress") / "drift.sdf"
     gap, step = gap_in(file)
     path = steps_by_fortress(GzSim(file), link.rotation, link.velocity - job.scenario.current(), step)

@@ -83,18 +83,25 @@ class SdfExporter(ModelExporter[SdfOptions]):
         """
         gazebo, density = _GAZEBO[self.options.gazebo], model.job.scenario.fluid.density
         products = fit_products(model.job, model.link)
+        # The pieces displace the water in trim pockets too, which flies with the agent.
+        x, hull, _ = slice_solid(model.job.agent.body.outer, 1)[0].tolist()
+        mass, inertia = density * max(hull - model.link.volume, 0.0), 0.0
         if not gazebo.solves_added_mass:
             # As much that what lags is less than the mass in every motion: with half, two of 24 random agents diverged.
             own = np.diag(model.link.added_mass)
-            mass = 0.0 if model.job.scenario.fluid.water_level is not None else 0.7 * float(own[:3].max())
-            model = replace(model, link=move_to_mass(model.link, mass, 0.35 * float(own[4] + own[5]), density))
+            if model.job.scenario.fluid.water_level is None:
+                mass = max(mass, 0.7 * float(own[:3].max()))
+            inertia = 0.35 * float(own[4] + own[5])
+        link = move_to_mass(model.link, mass, inertia, density)
+        model = replace(model, link=replace(link, buoyancy=hull / link.volume * model.axis_point(x)))
+        if not gazebo.solves_added_mass:
             products[1] += coriolis_products(model.link.added_mass)
         notes = describe_link(model.job.name, model.link, is_fitted=True)
         return {"gazebo": gazebo, "model": model, "products": products, "notes": notes}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return the worlds, the model, the mesh of the pipe and the scripts of the release, and the warnings."""
-        scenario, volume = model.job.scenario, model.link.volume
+        scenario = model.job.scenario
         water = self.list_values(model)
         gazebo, model = water["gazebo"], water["model"]
         body, slices = model.job.agent.body, list[tuple[float, float]]()
@@ -102,9 +109,9 @@ class SdfExporter(ModelExporter[SdfOptions]):
             # x (m) and volume (m3) of slices of the hull, which spheres replace.
             count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
             slices = [(x, part) for x, part, _ in slice_solid(body.outer, count)]
-        elif model.link.volume > volume:
+        elif (beyond := model.link.volume - slice_solid(body.outer, 1)[0, 1]) > 1e-9:
             # It carries the weight of the added mass that is in the mass.
-            slices = [(float(model.job.agent.mass.cog[0]), model.link.volume - volume)]
+            slices = [(float(model.job.agent.mass.cog[0]), beyond)]
         spheres = [(x, float(np.cbrt(0.75 * part / np.pi))) for x, part in slices]
         worlds = {"world.sdf": model}
         # Nothing moves evenly with the water through a bend.
