@@ -29,6 +29,7 @@ READ = {
     "decimal commas where semicolons separate": ("t;x;y\n0,033;-1,2E-2;0,5\n", [0.033], {"": [[-0.012, 0.5]]}),
     "units in centimetres": ("t (s),x (cm),y (cm)\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
     "units in millimetres": ("time_s\tx_mm\ty_mm\n0\t1\t2\n", [0], {"": [[1, 2]]}, "mm"),
+    "minutes": ("t (min),x (mm),y (mm)\n2,1,2\n", [120], {"": [[1, 2]]}, "mm"),
     "pixels": ("t [ms];x [px];y [px]\n1000;1;2\n", [1], {"": [[1, 2]]}, "px"),
     "Tracker, with a frame without a point": (
         "mass A\t\t\nt\tx\ty\n0.00E0\t1.1E-2\t-2.0E-3\n3.33E-2\t\t\n",
@@ -92,6 +93,7 @@ def test_likelihoods_are_read_and_a_guess_is_said(write):
         ("a,b\n1,2\n", "no row names its columns: expected t"),
         ("t,x,y\nnone,none,none\n", "holds no numbers"),
         ("t,x (m),y (cm)\n0,1,2\n", "several units: cm, m"),
+        ("t (days),x (m)\n0,1\n", "the unit 'days' of its times is not known; take s, "),
         ("scorer,net\n0,1\n", "has no rows 'bodyparts' and 'coords'"),
         ("t,nose_x,nose_y,tail_x,tail_y,tail_z\n0,1,2,3,4,5\n", "some of its points have three coordinates"),
         ("t,x,y,x,y\n0,1,2,3,4\n", "two columns x"),

@@ -131,6 +131,8 @@ def test_lengths_are_read_in_the_unit_that_is_named(tmp_path):
         read_track(path, BODY, Reading(unit="inch"))
     named = write_csv(tmp_path / "named.csv", t, 100 * points, "t,x (cm),y (cm)")
     assert read_track(named, BODY, Reading()).points[0] == pytest.approx(points)
+    with pytest.raises(InputError, match="its coordinates are in cm; leave out --unit mm"):
+        read_track(named, BODY, Reading(unit="mm"))
 
 
 def test_pixels_need_a_scale_and_point_down(tmp_path):

@@ -35,6 +35,7 @@ _NUMBER = re.compile(r"[+-]?(\d[\d.,'’\u00a0\u202f]*|[.,]\d+)([eE][+-]?\d+)?")
 _GROUPS = re.compile(r"['’\u00a0\u202f](?=\d{3})")
 _CLOCK = re.compile(r"\d+(:\d\d){1,3}([.,]\d+)?")
 _PIXELS = {"pixel": "px", "pixels": "px"}
+_SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 _SUFFIXES = ("m", "cm", "mm", "px", "s", "ms")
 
 
@@ -254,7 +255,7 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     names = {cell.lower() for cell in rows[head]} if head >= 0 else set()
     is_image = any(known <= names for known in PIXEL_PROGRAMS)
     return TrackTable(
-        t * (1.0 if is_frames else {"ms": 0.001}.get(units["t"], 1.0)),
+        t * (1.0 if is_frames else _find_second(path, units["t"])),
         _gather_points(path, numbers, is_image),
         is_frames=is_frames,
         is_image=is_image,
@@ -273,6 +274,13 @@ def _find_units(path: Path, columns: Sequence["_Column | None"], below: Sequence
     if len(found["x"]) > 1:
         raise InputError(f"{path}: its coordinates have several units: {', '.join(sorted(found['x']))}")
     return {kind: next(iter(sorted(units)), "") for kind, units in found.items()}
+
+
+def _find_second(path: Path, unit: str) -> float:
+    """Return a unit of times, or a picture of clocks such as hh:mm:ss, in s. Raises InputError if it is not known."""
+    if unit and unit not in _SECONDS and ":" not in unit:
+        raise InputError(f"{path}: the unit '{unit}' of its times is not known; take {', '.join(_SECONDS)}")
+    return _SECONDS.get(unit, 1.0)
 
 
 def _join_commas(path: Path, rows: Sequence[list[str]], width: int, notes: list[str]) -> list[list[str]]:

@@ -156,6 +156,8 @@ def _find_scale(path: Path, table: TrackTable, reading: Reading) -> float:
         return reading.scale
     if table.unit == "px":
         raise InputError(f"{path}: its coordinates are pixels; give --scale, the metres per pixel")
+    if reading.unit and table.unit not in ("", reading.unit):
+        raise InputError(f"{path}: its coordinates are in {table.unit}; leave out --unit {reading.unit}")
     unit = reading.unit or table.unit or "m"
     if unit not in UNITS:
         raise InputError(f"{path}: unit '{unit}' is not known{did_you_mean(unit, UNITS)}; take m, cm or mm")

@@ -140,7 +140,8 @@ def _read_csv(path: Path) -> VelocityGrid:
         heading, separator = _find_heading(first)
         heads = [name.strip().strip('"') for name in first[heading].split(separator)] if first else [""]
         below = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
-        rows = (line.replace(",", ".") for line in below) if separator == ";" else below
+        # CFX writes null where there is no value.
+        rows = (line.replace(",", "." if separator == ";" else ",").replace("null", "nan") for line in below)
         try:
             with catch_warnings(action="ignore"):
                 table = np.loadtxt(rows, delimiter=separator, ndmin=2)
@@ -167,9 +168,11 @@ def _read_csv(path: Path) -> VelocityGrid:
 def _find_heading(lines: Sequence[str]) -> tuple[int, str | None]:
     """Return which line of the beginning of a table has the names of its columns, and what separates them.
 
-    It is the first with names of coordinates, else the first line, which is then shown as what the file has.
+    It is the first with names of coordinates, of CFX that below ``[Data]``; else the first line, which is then shown as what
+    the file has.
     """
-    for number, line in enumerate(lines):
+    begin = next((number for number, line in enumerate(lines) if line.startswith("[Data]")), 0)
+    for number, line in enumerate(lines[begin:], begin):
         separator = next((mark for mark in ";," if mark in line), None)
         names = {_split_unit(name)[0] for name in line.replace('"', "").split(separator)}
         if any(names.issuperset(places) for places in _PLACES):
@@ -250,8 +253,9 @@ def _read_netcdf(path: Path) -> VelocityGrid:
     places = _choose(_PLACES, variables, "coordinates")
     velocities = _choose(_VELOCITIES, variables, "velocity")
     for name in (places[2], velocities[2]):
-        for key, value in variables[name].attributes.items():
-            if key != "units" and re.search("down|depth", value):
+        attributes = variables[name].attributes
+        for key, value in attributes.items():
+            if "up" not in attributes.get("positive", "").lower() and re.search("down|depth", value, re.IGNORECASE):
                 raise ValueError(f"has {key} = '{value}' on {name}; z and its velocity must be positive upward")
     names = []
     for name in places:
@@ -305,7 +309,7 @@ def _load_variables(path: Path) -> dict[str, _Variable]:
                 values = np.ma.filled(np.ma.array(variable[...], dtype=np.float64), np.nan)
                 attributes: dict[str, str] = {
                     key: str(variable.getncattr(key)).strip()
-                    for key in ("units", "positive", "standard_name")
+                    for key in ("units", "positive", "_CoordinateZisPositive", "standard_name", "long_name")
                     if key in variable.ncattrs()
                 }
                 found[name] = _Variable(variable.dimensions, values, attributes)
@@ -328,14 +332,17 @@ def _read_vtk(path: Path) -> VelocityGrid:
 
     data = _load_data_set(path)
     vectors = _find_vector(data.GetPointData())
-    if vectors is None and _find_vector(data.GetCellData()) is not None:
+    cells = data.GetCellData()
+    if vectors is None and (found := _find_vector(cells)) is not None:
+        if (ghosts := cells.GetArray("vtkGhostType")) is not None:
+            vtk_to_numpy(found)[vtk_to_numpy(ghosts) & 32 != 0] = np.nan
         data = _convert(vtkCellDataToPointData(), data)
         vectors = _find_vector(data.GetPointData())
     if vectors is None:
-        parts = (data.GetPointData(), data.GetCellData())
-        found = [part.GetArrayName(i) for part in parts for i in range(part.GetNumberOfArrays())]
+        parts = (data.GetPointData(), cells)
+        names = [part.GetArrayName(i) for part in parts for i in range(part.GetNumberOfArrays())]
         raise ValueError(
-            f"has no velocity: its points and cells have {', '.join(found) or 'no data'}, but not a vector named "
+            f"has no velocity: its points and cells have {', '.join(names) or 'no data'}, but not a vector named "
             f"{', '.join(_VECTORS)}"
         )
     velocity = np.array(vtk_to_numpy(vectors), dtype=np.float64)

@@ -12,9 +12,6 @@ from driftform_networks.output.map import Mark, network_svg
 from driftform_networks.output.results import Outputs, TextTable, list_lines, present
 from driftform_networks.passages.passage import find_loops
 
-_ROUNDING = 1e-9
-"""Flow that EPANET's rounding leaves in closed links, m3/s."""
-
 
 def show_network(network: Network, hour: float, outputs: Outputs) -> None:
     """Print the facts of a network, and draw its map on request."""
@@ -46,7 +43,7 @@ def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -
 def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
     """Return facts about a network and its flow at one hour as plain values for JSON."""
     hydraulics, pipes = network.hydraulics, network.is_pipe
-    reverses = (hydraulics.flow > _ROUNDING).any(axis=0) & (hydraulics.flow < -_ROUNDING).any(axis=0)
+    reverses = (hydraulics.flow > STILL).any(axis=0) & (hydraulics.flow < -STILL).any(axis=0)
     supply = -hydraulics.outflow[snapshot.step]
     flowing = pipes[snapshot.links]
     kinds = ((network.node_kinds, ("junction", "tank", "reservoir")), (network.link_kinds, ("pipe", *read_gates())))
