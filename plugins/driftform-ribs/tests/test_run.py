@@ -17,6 +17,8 @@ ARCHIVE = [
     *("strategy.batch=10", "strategy.emitters=2", "strategy.measures={mass=[0.05, 0.2], length=[0.02, 0.25]}"),
 ]
 
+FRONT = ["strategy.use=pymoo", "strategy.objectives=['fitness', 'length']", "strategy.population=10"]
+
 
 class Stop(Observer):
     def record(self, record):
@@ -24,7 +26,9 @@ class Stop(Observer):
             raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize(("settings", "name", "axes"), [(ARCHIVE, "archive", ["mass", "length"])])
+@pytest.mark.parametrize(
+    ("settings", "name", "axes"), [(ARCHIVE, "archive", ["mass", "length"]), (FRONT, "front", ["fitness", "length"])]
+)
 def test_a_run_that_was_stopped_resumes_to_the_same_results_and_draws_them(tmp_path, settings, name, axes):
     study = load_study(
         "paper",
