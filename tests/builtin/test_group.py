@@ -1,12 +1,15 @@
 """One agent for several places: the target that it misses most decides."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from driftform.builtin.fitness import ClosestApproach, GroupFitness, GroupOptions
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
-from driftform.types import End, Trajectory
+from driftform.types import End, Trajectory, Verdict
 from driftform.util.options import Table
 from driftform.water import Pipe, Scenario, Segment
 
@@ -53,3 +56,18 @@ def test_a_ride_is_as_far_off_the_crown_as_its_lowest_point_between_the_targets(
     assert crown.score(dips, scenario, AGENT)[0] == pytest.approx(80, abs=0.5)
     assert GroupFitness(GroupOptions(ride="floor")).score(dips, scenario, AGENT)[0] < 5
     assert crown.score(fly(0.99, 0.99, 0.99, 0.99), scenario, AGENT)[0] == 0.0
+
+
+def test_a_ride_along_the_crown_of_a_pipe_that_rises_from_anywhere_is_perfect():
+    start, way = np.array([4.0, 2.0, 1.0]), np.array([math.cos(0.5), 0.0, math.sin(0.5)])
+    pipe = Pipe(segments=(Segment(start=tuple(start), end=tuple(start + 9 * way), radius=0.5),))
+    crown = start + np.arange(10.0)[:, None] * way + 0.5 * np.array([-math.sin(0.5), 0.0, math.cos(0.5)])
+    ends = {name: tuple(0.9 * crown[at] + 0.1 * (start + at * way)) for name, at in (("A", 2), ("B", 7))}
+    scenario = Scenario(pipe=pipe, targets=ends)
+    ride = replace(LEVEL, position=crown)
+    assert GroupFitness(GroupOptions(ride="crown")).score(ride, scenario, AGENT)[0] > 98
+
+
+def test_within_five_percent_is_reached_and_within_ten_is_near():
+    group = GroupFitness(GroupOptions())
+    assert [group.judge(fitness) for fitness in (95.5, 91.0, 89.0)] == [Verdict.REACHED, Verdict.NEAR, Verdict.MISSED]

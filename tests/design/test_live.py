@@ -8,6 +8,7 @@ import pytest
 import driftform as df
 from driftform.errors import InputError
 from driftform.types import End
+from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import field
 
 GENOME = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
@@ -57,6 +58,17 @@ def test_a_current_acts_from_its_arrival(design):
     other = design.under(*OPEN, "flow.added=[0.3, 0.4, 0]")
     flown = other.pipeline.simulator.simulate(other.agent, other.scenario.resume(step, 0.1))
     np.testing.assert_array_equal(again.position, flown.position)
+
+
+def test_the_current_that_the_body_is_in_already_changes_nothing_at_once(design):
+    """In a shear the water at the middle of a body is not that at the origin of its axes."""
+    flight = design.under("flow.kind=log_law", "release.position=[1, 0, 0.6]", "release.pitch_deg=90").fly()
+    flight.step(0.05)
+    before = flight.velocity
+    cob = flight.position + matrix_from_quaternion(flight.quaternion) @ design.agent.mass.cob
+    [water] = field.water_velocity(cob, flight.time, flight.scenario)
+    flight.step(1e-6, current=water)
+    np.testing.assert_allclose(flight.velocity, before, atol=1e-4)
 
 
 def test_a_given_current_replaces_that_of_bends(design):

@@ -18,7 +18,8 @@ def test_ranks_of_the_same_search_differ_by_chance_alone():
     rng = np.random.default_rng(1)
     found = [compare_values(rng.normal(size=10), rng.normal(size=10))["p"] for _ in range(100)]
     assert np.mean(np.array(found) < 0.05) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 100)
-    assert compare_values(np.arange(10.0), np.arange(10.0) + 10)["p"] < 1e-3
+    found = compare_values(np.arange(10.0), np.arange(10.0) + 10)
+    assert found["p"] < 1e-3 and found["difference"] == -10.0
 
 
 def test_texts_that_a_spreadsheet_takes_for_formulas_are_warned_of(tmp_path, capsys):

@@ -10,7 +10,7 @@ from driftform.types import End, Evaluation, Genome, Trajectory
 def flight(length, end):
     """A flight of some length (m) along the axis."""
     t = np.linspace(0.0, 10.0, 50)
-    position = np.column_stack([length * t / 10, 0 * t, 0 * t])
+    position = np.column_stack([7.0 + length * t / 10, 0 * t, 0 * t])
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (50, 1))
     return Evaluation(Genome("g", ()), np.zeros(2), Trajectory(t, position, attitude, np.zeros((50, 6)), end))
 

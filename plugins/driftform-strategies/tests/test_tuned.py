@@ -15,8 +15,9 @@ from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
-from driftform_strategies.shapes import Shape
+from driftform_strategies.shapes import DRAG, Aim, Shape, draw_even, draw_random
 from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy, _Elite, _Start
+from driftform_strategies.tuning import square_root_weight
 
 SPEED, FALL = 1.0, 1.2
 """Of the current, m/s, and of a body with a net weight of 1 kg, m/s."""
@@ -206,13 +207,51 @@ def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch):
     assert max(len(shape.points) for shape in kept) <= 2 * (6 + 4)
 
 
-def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_at_the_height_of_its_release():
+@pytest.mark.parametrize(("seen", "believed"), [(1.5, 1.5), (30.0, 5.0), (0.01, 0.2)])
+def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_at_the_release(seen, believed):
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
-    # The first target lies 0.3 m below the release, and this body responds half as much again as is guessed.
-    response = -1.5 * strategy._aims[0].guess_response(shape.size)
-    shape.points.append((1.0, np.array([0.3 + response, 0.0])))
-    assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(-0.3 / response), rel=1e-12)
+    # The first target lies 0.3 m below the release; what is more than five times as guessed, or less, was something else.
+    guess = -strategy._aims[0].guess_response(shape.size)
+    shape.points.append((1.0, np.array([0.3 + seen * guess, 0.0])))
+    root = 1.0 - (0.3 + seen * guess) / (believed * guess)
+    assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(root), rel=1e-12)
+
+
+def test_the_target_that_is_missed_most_gets_most_bodies():
+    strategy = TunedStrategy(TunedOptions(pressure=1.0), make_space(Cigars(Table())))
+    shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
+    strategy._started = [100, 100]
+    strategy._elites = [[_Elite(99.0, 0, shape, 0.3)], [_Elite(91.0, 1, shape, 0.3)]]
+    drawn = [strategy._choose_target() for _ in range(500)]
+    assert sum(drawn) == pytest.approx(450, abs=40)
+
+
+def test_the_first_weight_is_that_of_a_body_whose_drag_bears_it_at_the_speed_that_it_needs():
+    water = Scenario().fluid
+    aim = Aim(0.3, 4.0, 2.0, water)
+    weight, speed = square_root_weight(aim.guess_root(0.01)), 0.3 / (4.0 / 2.0)
+    assert weight * water.gravity == pytest.approx(0.5 * water.density * DRAG * 0.01 * speed**2)
+
+
+def test_a_shape_that_only_just_floats_can_be_tuned():
+    class Heavy(Cigars):
+        most = 0.07
+
+    space = make_space(Heavy(Table()))
+    aim = Aim(0.0, 4.0, 1.0, space.scenario.fluid)
+    assert draw_random(space.grammar, space.builder, aim, 1, 0) is not None
+
+
+def test_the_most_even_of_some_shapes_is_inclined_less_than_any():
+    space = make_space(Cigars(Table()))
+    aim = Aim(0.0, 4.0, 1.0, space.scenario.fluid)
+
+    def incline(draw, draws):
+        shapes = [draw(space.grammar, space.builder, aim, draws, seed) for seed in range(20)]
+        return np.mean([abs(m.tilt) for shape in shapes for m in space.grammar.express(shape.genome).modules])
+
+    assert incline(draw_even, 20) < 0.7 * incline(draw_random, 1)
 
 
 def test_a_descendant_of_another_size_first_flies_as_fast_as_its_parent():

@@ -115,16 +115,12 @@ def find_baselines(study: Study, store: Store, executor: Executor, targets: Sequ
 
 def _find_tuning(pipeline: Pipeline) -> Callable[[float], Baseline] | None:
     """Return the plain body by the speed at which it should sink, m/s: its net weight is rho C_D A w^2 / 2, within what it can have."""
-    density, gravity, genome = (
-        pipeline.scenario.fluid.density,
-        pipeline.scenario.fluid.gravity,
-        pipeline.grammar.plain(),
-    )
+    fluid, genome = pipeline.scenario.fluid, pipeline.grammar.plain()
 
     def weigh(genome: Genome) -> Baseline:
         body = pipeline.build(pipeline.express(genome))
         mass, text = mass_properties(body), write_genome(pipeline.grammar, genome)
-        return Baseline(genome, text, body.max_diameter, body.length, mass.mass - density * mass.volume)
+        return Baseline(genome, text, body.max_diameter, body.length, mass.mass - fluid.density * mass.volume)
 
     try:
         bounds = None if genome is None else pipeline.builder.find_tunings(pipeline.express(genome))
@@ -136,7 +132,7 @@ def _find_tuning(pipeline: Pipeline) -> Callable[[float], Baseline] | None:
 
     def tune(sinking: float) -> Baseline:
         area = np.pi / 4 * light.diameter * (light.diameter + 4 / np.pi * (light.length - light.diameter))
-        asked = density * DRAG * area * sinking * abs(sinking) / (2 * (gravity or 1.0))
+        asked = fluid.density * DRAG * area * sinking * abs(sinking) / (2 * (fluid.gravity or 1.0))
         at = np.interp(asked, [light.net_weight, heavy.net_weight], bounds)
         return weigh(replace(genome, tuning=float(at)))
 

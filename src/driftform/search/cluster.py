@@ -154,11 +154,8 @@ async def _identify(distributed: Any, address: str) -> str:
     # Resolved first, because connecting retries an unknown host name until the timeout.
     await asyncio.to_thread(distributed.comm.resolve_address, address)
     security = distributed.Security().get_connection_args("client")
-    comm = await distributed.comm.connect(address, CONNECT_TIMEOUT_S / 2, **security)
-    try:
-        return str((await distributed.core.send_recv(comm, op="identity"))["type"])
-    finally:
-        comm.abort()
+    async with distributed.rpc(address, connection_args=security) as process:
+        return str((await process.identity())["type"])
 
 
 def _find_cause(error: BaseException) -> BaseException:
