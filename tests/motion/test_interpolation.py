@@ -93,10 +93,12 @@ def test_accelerations_add_up_to_the_change_of_velocity(flown):
     assert gained == pytest.approx(velocity[-1] - velocity[0], abs=2e-4 * size)
 
 
-def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent):
+@pytest.mark.parametrize("rates", [(0, 0, 0), (3, 1, 2)])
+def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent, rates):
     # No study can ask for so thin a fluid, and no bound is checked in a copy.
     vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid().model_copy(update={"density": 1e-12}))
-    trajectory = drifting_trajectory()
+    drifting = drifting_trajectory()
+    trajectory = replace(drifting, velocity=drifting.velocity + np.array([0, 0, 0, *rates]))
     wrench = net_wrench(trajectory, accelerations_along(trajectory, agent, vacuum), agent.mass)
     up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
     assert wrench[:, :3] == pytest.approx(-9.81 * agent.mass.mass * up, rel=1e-6)

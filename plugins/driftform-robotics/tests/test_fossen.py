@@ -424,10 +424,13 @@ def pocketed():
 
 
 @pytest.mark.parametrize("gazebo", ["harmonic", "fortress"])
-def test_water_in_pockets_weighs_nothing_in_gazebo(pocketed, export, gazebo):
+def test_water_in_pockets_weighs_nothing_in_gazebo(pocketed, export, tmp_path, gazebo):
+    facts = SdfExporter(SdfOptions(gazebo=gazebo)).write(pocketed, tmp_path / "stated")[0].facts
+    mass = pocketed.agent.mass
+    assert (facts["cog_mm"], facts["cob_mm"]) == pytest.approx((1e3 * mass.cog[0], 1e3 * mass.cob[0]))
     for file in ("world.sdf", "drift.sdf"):
         law = GzSim(export("sdf", pocketed, gazebo=gazebo) / file)
-        net = pocketed.agent.mass.mass - law.density * pocketed.agent.mass.volume
+        net = mass.mass - law.density * mass.volume
         assert law.m - law.density * law.volume == pytest.approx(net, abs=2e-5)
 
 
