@@ -52,12 +52,14 @@ def write(tmp_path):
 
 
 def test_a_hull_read_back_has_exactly_the_volume_and_size_of_the_body(body, write):
-    [(name, shape, bounds)] = read(write(body).path)
+    file = write(body)
+    [(name, shape, bounds)] = read(file.path)
     assert name == "hull"
     assert volume_of(shape) == pytest.approx(1e9 * hull_volume(body), rel=1e-9)
     radius = 500 * body.max_diameter
     expected = (-radius, -radius, 0, radius, radius, 1000 * body.length)
     assert bounds == pytest.approx(expected, abs=1e-4)
+    assert file.facts["size_mm"] == pytest.approx(np.subtract(expected[3:], expected[:3]))
 
 
 def test_faces_are_cones_cylinders_and_planes_and_no_facets(wavy_body, write):

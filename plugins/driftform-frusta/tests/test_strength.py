@@ -113,6 +113,11 @@ def test_plates_yield_and_give_way_as_timoshenko_says():
         assert plate_loss(STEEL, radius, plate, held) == pytest.approx(np.trapezoid(2 * np.pi * r * bent, r), rel=1e-6)
 
 
+def test_a_tube_whose_plate_does_not_bend_its_rim_yields_as_its_membrane():
+    # The plate pushes along the tube with p pi R^2 on 2 pi R t.
+    assert rim_yield(STEEL, 0.04, 0.001, 1.0, 0.0) * 0.04 / (2 * 0.001) == pytest.approx(250e6)
+
+
 @pytest.mark.parametrize("tilt", [0.0, 0.2, -0.35, 0.7])
 def test_cones_lose_the_volume_of_their_membrane(tilt):
     # Straight from the definition: strains of the membrane move each point of a thin cone, dV = 2 pi r dr dx + pi r^2 d(dx).
