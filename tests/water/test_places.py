@@ -77,9 +77,19 @@ def test_a_study_may_name_its_targets_by_places():
     assert study.scenario.target_points()["TP1"] == pytest.approx((4.5, 0.0, 0.6))
 
 
-def test_a_target_outside_names_its_distance_and_the_nearest_point_inside():
-    with pytest.raises(InputError, match=r"lies outside the pipe, 0\.3 m from it; the nearest point inside is \["):
-        load_study("pipe-inspection", ["targets.TP1=[1.0,0.0,-1.3]"], run={"seed": 0})
+@pytest.mark.parametrize(
+    ("target", "distance", "nearest"),
+    [
+        ("[1.0,0.0,-1.3]", "0.3", "0.99, 0, -1"),
+        ("[-0.8,0.0,0.2]", "0.8", "0, 0, 0.2"),
+        ("[9.3,0.0,1.4]", "0.5", "9, 0, 1"),
+    ],
+    ids=["beside", "upstream", "beyond the corner"],
+)
+def test_a_target_outside_names_its_distance_and_the_nearest_point_inside(target, distance, nearest):
+    with pytest.raises(InputError) as error:
+        load_study("pipe-inspection", [f"targets.TP1={target}"], run={"seed": 0})
+    assert f"lies outside the pipe, {distance} m from it; the nearest point inside is [{nearest}]" in str(error.value)
 
 
 @given(st.floats(-0.2, 0.2), st.floats(0.3, 1.5), st.floats(0, 6.28))

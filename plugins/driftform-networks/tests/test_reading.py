@@ -53,6 +53,13 @@ def test_a_file_without_units_has_those_of_epanet(tmp_path):
     assert network.hydraulics.flow[0] == pytest.approx(np.array([30, 20, 10]) * 6.30901964e-05, rel=2e-5)
 
 
+def test_what_lies_behind_a_node_carries_its_peak_demand_at_a_metre_a_second(tmp_path):
+    network = open_network(write(tmp_path, FORK), tmp_path)
+    wide = network.peak_demand > np.pi / 4 * 0.02**2
+    assert wide.any()
+    assert np.pi / 4 * network.offtakes[wide] ** 2 == pytest.approx(network.peak_demand[wide])
+
+
 def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path):
     assert open_network(write(tmp_path, PUMPED), tmp_path).hydraulics.clock == 6 * 3600
 

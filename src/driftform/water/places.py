@@ -86,11 +86,15 @@ def find_nearest_inside(point: FloatArray, layout: Layout) -> tuple[FloatArray, 
     best, distance = point, np.inf
     for placed in layout.parts:
         for axis in placed.part.list_axes(max(placed.part.length, 1e-9) / _STEPS):
-            away = point - axis.points
-            length = np.linalg.norm(away, axis=1)
-            beyond = length - axis.radii
-            at = int(beyond.argmin())
-            if beyond[at] < distance:
-                share = min(1.0, axis.radii[at] / length[at]) if length[at] > 0 else 0.0
-                best, distance = axis.points[at] + share * away[at], float(beyond[at])
-    return np.asarray(best), max(distance, 0.0)
+            # The section of the bore at each point of the axis is a disc.
+            way = np.gradient(axis.points, axis=0)
+            way /= np.linalg.norm(way, axis=1, keepdims=True)
+            across = point - axis.points
+            across -= (across * way).sum(axis=1, keepdims=True) * way
+            share = np.minimum(1.0, axis.radii / np.maximum(np.linalg.norm(across, axis=1), 1e-12))
+            nearest = axis.points + share[:, None] * across
+            away = np.linalg.norm(point - nearest, axis=1)
+            at = int(away.argmin())
+            if away[at] < distance:
+                best, distance = nearest[at], float(away[at])
+    return np.asarray(best), distance
