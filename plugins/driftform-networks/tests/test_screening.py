@@ -107,7 +107,7 @@ def test_bodies_are_compared_by_where_they_fit_and_rest(done):
     assert {one["node"] for one in found["catch"]} == {"fork", "narrow"}
     lines = done(*words)
     assert (
-        "use sphere-30mm-heavy-10mN, of the widest that go as far as any the heaviest: into 100.0 % of the 1.0 km"
+        "use sphere-30mm-heavy-10mN, the heaviest of the widest bodies that go as far as any: into 100.0 % of the 1.0 km"
         in lines
     )
     assert "a hull withstands it with builder.pressure = 5.0e5" in lines
