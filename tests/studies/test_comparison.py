@@ -9,12 +9,18 @@ import shutil
 from pathlib import Path
 
 import pytest
+import tomli_w
 
 pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[2] / "docs"
-STRATEGIES = ("tuned", "direct", "evolution", "paper", "random")
 SEEDS = 10
+
+SEARCHES = {
+    **{name: {"strategy": {"use": name}} for name in ("tuned", "direct", "evolution", "paper", "random")},
+    "cma-es": {"grammar": {"use": "bspline"}, "strategy": {"use": "pymoo", "algorithm": "cmaes"}},
+    "cma-me": {"grammar": {"use": "bspline"}, "strategy": {"use": "ribs", "emitter": "cma-me"}},
+}
 
 
 def tabulate(found):
@@ -33,9 +39,11 @@ def tabulate(found):
 
 
 def test_no_search_promises_less_than_tuned_bodies_do_with_as_many_flights(start, publish, tmp_path):
-    compared = [word for name in STRATEGIES for word in ("--strategy", name)]
+    for name, tables in SEARCHES.items():
+        (tmp_path / f"{name}.toml").write_text(tomli_w.dumps({"base": "pipe-inspection", **tables}), encoding="utf-8")
+    studies = [f"{name}.toml" for name in SEARCHES]
     budget = ("--seeds", os.environ.get("SEEDS", SEEDS), "--evaluations", 500, "--workers", 2)
-    process = start("compare", "pipe-inspection", *compared, *budget, "--out", "out", "--json", cwd=tmp_path)
+    process = start("compare", *studies, *budget, "--out", "out", "--json", cwd=tmp_path)
     printed, told = process.communicate(timeout=4 * 3600)
     assert process.returncode == 0, told
     document = json.loads(printed)
