@@ -65,7 +65,7 @@ class MemoryBus(RospyBus):
 
 
 def run(bus, design, *, once=False, **options):
-    node = LiveNode(bus, make_design, FlightOptions(**options), 0.05, 0.0)
+    node = LiveNode(bus, make_design, FlightOptions(**options), 0.05, 0.0, 20.0)
     if once:
         node.run(design, once)
         return

@@ -123,9 +123,14 @@ FlightDirectory: TypeAlias = Annotated[
 
 _SHARED: dict[str, tuple[Any, Any]] = {
     "agent": (Agent, Parameter.empty),
+    "scenario": (ScenarioOption, None),
+    "simulator": (Simulator, None),
     "hydrodynamics": (Hydrodynamics, None),
     "settings": (Settings, None),
+    "bed": (Bed, None),
+    "option": (ExporterOptions, None),
     "workers": (Workers, None),
+    "scheduler": (Scheduler, None),
     "style": (Style, "screen"),
     "width_mm": (WidthMm, None),
     "json": (Json, False),
@@ -134,6 +139,8 @@ _SHARED: dict[str, tuple[Any, Any]] = {
 
 _TYPES: dict[str, Any] = {
     "argument": str,
+    "argument_path": Path,
+    "argument_texts": list[str],
     "arguments": list[Path],
     "text": str,
     "texts": list[str],
@@ -141,6 +148,7 @@ _TYPES: dict[str, Any] = {
     "number": float,
     "signed": float,
     "numbers": list[float],
+    "pair": tuple[float, float],
     "size": tuple[float, float, float],
     "count": int,
     "switch": bool,

@@ -4,7 +4,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from types import SimpleNamespace as Given
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -14,45 +15,11 @@ if TYPE_CHECKING:
     from driftform.types import Finding
 
 
-def check(
-    subject: Annotated[
-        str,
-        typer.Argument(
-            metavar="FILE|AGENT",
-            help="A printable file (.stl, .3mf, .obj, .ply, .glb, .scad), or an agent, whose files are written and "
-            f"checked. {options.AGENT_HELP}",
-        ),
-    ],
-    agent: Annotated[
-        str | None,
-        typer.Option(metavar="AGENT", help="Agent of a FILE; by default the agent.json in the file or in its folder."),
-    ] = None,
-    nozzle: Annotated[
-        float | None, typer.Option(metavar="MM", help="Diameter of the nozzle, mm; by default 0.4.")
-    ] = None,
-    bed: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y,Z",
-            help="Largest part that the printer can make, mm; by default 250,210,210. Without --nozzle and --bed a 3MF file "
-            "of a kit is checked for the printer that it was made for.",
-        ),
-    ] = None,
-    format: Annotated[str, typer.Option(metavar="NAME", help="Format that an AGENT is exported to.")] = "stl",
-    kit: Annotated[
-        bool,
-        typer.Option(
-            "--kit",
-            help="Check the kit that fits nozzle and bed instead of the hull in one piece; a 3MF file of a kit has its own "
-            "options.",
-        ),
-    ] = False,
-    programs: Annotated[
-        bool, typer.Option("--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH.")
-    ] = True,
-    settings: options.Settings = None,
-    json: options.Json = False,
-) -> None:
+@options.declare(
+    Path(__file__).with_name("check.toml"),
+    *("subject", "agent", "nozzle", "bed", "format", "kit", "programs", "settings", "json"),
+)
+def check(given: Given) -> None:
     """Check whether files can be printed and are what was simulated; exit code 1 if a check fails."""
     from driftform import open_agent
     from driftform.cli import formats, output
@@ -62,29 +29,28 @@ def check(
     from driftform.util import files
     from driftform_kit.check import check_design, check_file
 
-    printer = None
-    if nozzle is not None:
-        if not 0 < nozzle <= 10:
-            raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
-        printer = Printer(nozzle / 1000)
-    if bed is not None:
-        printer = replace(printer or Printer(), bed=formats.parse_bed(bed))
+    subject, agent, settings, printer = given.subject, given.agent, given.settings or (), None
+    if given.nozzle is not None:
+        if not 0 < given.nozzle <= 10:
+            raise InputError(f"--nozzle {given.nozzle:g}: should be a diameter in mm, such as 0.4")
+        printer = Printer(given.nozzle / 1000)
+    if given.bed is not None:
+        printer = replace(printer or Printer(), bed=formats.parse_bed(given.bed))
 
     def announce(program: str) -> None:
         print(f"running {program} ...", file=sys.stderr, flush=True)
 
+    how: dict[str, Any] = {"kit": given.kit, "programs": given.programs, "printer": printer, "on_program": announce}
     path = Path(subject)
     if files.is_file(path) and path.suffix.lower() != ".json":
-        given = settings or ()
-        findings = check_file(path, agent, given, printer=printer, kit=kit, programs=programs, on_program=announce)
+        findings = check_file(path, agent, settings, **how)
     elif agent is not None:
         raise InputError(f"--agent {agent}: goes with a FILE, and '{subject}' is not one")
     else:
-        [format] = formats.parse_formats(format, "exporter", "stl")
-        design = open_agent(subject, *(settings or ()))
-        findings = check_design(design, format, printer=printer, kit=kit, programs=programs, on_program=announce)
+        [format] = formats.parse_formats(given.format, "exporter", "stl")
+        findings = check_design(open_agent(subject, *settings), format, **how)
     failed = any(finding.state is State.FAIL for finding in findings)
-    if json:
+    if given.json:
         keys = ("check", "part", "state", "detail")
         lines = [{key: getattr(finding, key) for key in keys} for finding in findings]
         output.print_json({"subject": subject, "printable": not failed, "lines": lines})

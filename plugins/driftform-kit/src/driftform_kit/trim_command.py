@@ -2,9 +2,9 @@
 
 import shlex
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
-
-import typer
+from pathlib import Path
+from types import SimpleNamespace as Given
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from driftform.cli import options
 
@@ -22,59 +22,12 @@ _NEAR = 5e-5
 """m: ballast lies where it should if it is off by less than this; it cannot be laid more accurately."""
 
 
-def trim(
-    agent: options.Agent,
-    printed_mass: Annotated[
-        float | None,
-        typer.Option(
-            metavar="KG",
-            help="Mass of the print with its core and without ballast, kg; with --kit by default that of its parts.",
-        ),
-    ] = None,
-    printed_cog: Annotated[
-        float | None,
-        typer.Option(
-            metavar="M",
-            help="x of the print's centre of gravity from the core's centre, fore positive, m; by default that of "
-            "the hull's material.",
-        ),
-    ] = None,
-    net_weight: Annotated[
-        float | None,
-        typer.Option(
-            metavar="G",
-            help="What a scale shows while the sealed agent hangs under water, g; positive if it sinks. In place of --printed-mass.",
-        ),
-    ] = None,
-    water_temperature: Annotated[
-        float | None,
-        typer.Option(
-            metavar="C", help="Temperature of that water, degrees C; by default that of the scenario, fluid.celsius."
-        ),
-    ] = None,
-    kit: Annotated[
-        bool,
-        typer.Option(
-            "--kit",
-            help="Count the sleeves and seats of the kit; give --format, --bed and --option as for 'driftform export'.",
-        ),
-    ] = False,
-    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")] = "stl",
-    bed: options.Bed = None,
-    option: options.ExporterOptions = None,
-    ballast_density: Annotated[
-        float | None,
-        typer.Option(
-            metavar="KG/M3",
-            help="Density of the ballast, kg/m3; by default that of the kit's options, or of steel, 7850.",
-        ),
-    ] = None,
-    scenario: options.ScenarioOption = None,
-    simulator: options.Simulator = None,
-    hydrodynamics: options.Hydrodynamics = None,
-    settings: options.Settings = None,
-    json: options.Json = False,
-) -> None:
+@options.declare(
+    Path(__file__).with_name("trim.toml"),
+    *("agent", "printed_mass", "printed_cog", "net_weight", "water_temperature", "kit", "format", "bed", "option"),
+    *("ballast_density", "scenario", "simulator", "hydrodynamics", "settings", "json"),
+)
+def trim(given: Given) -> None:
     """Compute the ballast that makes a print fly as simulated, and show where it flies without it."""
     from driftform.cli import formats, output
     from driftform.errors import InputError
@@ -84,32 +37,30 @@ def trim(
     from driftform_kit.settings import list_arguments
     from driftform_kit.trim import trim_design
 
-    names = formats.parse_formats(format, "exporter", "stl")
-    for name, given in (("format", names != ["stl"]), ("bed", bed), ("option", option)):
-        if given and not kit:
+    names = formats.parse_formats(given.format, "exporter", "stl")
+    net_weight, settings = given.net_weight, given.settings or ()
+    for name, value in (("format", names != ["stl"]), ("bed", given.bed), ("option", given.option)):
+        if value and not given.kit:
             raise InputError(f"--{name}: goes with --kit")
-    use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    if net_weight is None and water_temperature is not None:
+    use = {"simulator": given.simulator, "hydrodynamics": given.hydrodynamics}
+    if net_weight is None and given.water_temperature is not None:
         raise InputError("--water-temperature: goes with --net-weight")
     if net_weight is not None:
-        others = {
-            "printed-mass": printed_mass,
-            "printed-cog": printed_cog,
-            "kit": kit or None,
-            "ballast-density": ballast_density,
-        }
-        if given := [name for name, value in others.items() if value is not None]:
-            raise InputError(
-                f"--{given[0]}: does not go with --net-weight, which weighs the sealed agent: leave it out"
-            )
-    design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
+        for name in ("printed-mass", "printed-cog", "kit", "ballast-density"):
+            value = getattr(given, name.replace("-", "_"))
+            if value is not None and value is not False:
+                raise InputError(
+                    f"--{name}: does not go with --net-weight, which weighs the sealed agent: leave it out"
+                )
+    design = formats.open_exported(
+        given.agent, names, given.kit, given.bed, given.option or (), settings, given.scenario, use
+    )
     if net_weight is not None:
-        facts = trim_in_water(design, net_weight / 1000, water_temperature)
+        facts = trim_in_water(design, net_weight / 1000, given.water_temperature)
     else:
-        facts = trim_design(
-            design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
-        )
-    if json:
+        how = {"kit": given.kit, "format": names[0], "ballast_density": given.ballast_density}
+        facts = trim_design(design, given.printed_mass, given.printed_cog, **how)
+    if given.json:
         output.print_json(facts)
         return
     if net_weight is not None:
@@ -117,9 +68,9 @@ def trim(
         _print_flights(facts, design.pipeline.fitness)
         return
     exporter = design.study.make_exporter(names[0])
-    kept = [setting for setting in settings or () if not setting.lstrip().startswith("exporter.")]
-    again = {"scenario": scenario, **use}
-    opened = shlex.join([agent, *(word for setting in kept for word in ("--set", setting))])
+    kept = [setting for setting in settings if not setting.lstrip().startswith("exporter.")]
+    again = {"scenario": given.scenario, **use}
+    opened = shlex.join([given.agent, *(word for setting in kept for word in ("--set", setting))])
     flight = shlex.join(word for key, value in again.items() if value for word in (f"--{key}", value))
 
     def write(balls: "Balls", density: float) -> tuple[str, str]:

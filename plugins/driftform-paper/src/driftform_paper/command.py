@@ -1,29 +1,16 @@
 """``driftform reproduce``."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
+from types import SimpleNamespace as Given
 
 from driftform.cli import options
 
 
-def reproduce(
-    repeats: Annotated[
-        int, typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed.")
-    ] = 10,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
-    workers: options.Workers = None,
-    scheduler: options.Scheduler = None,
-    simulator: options.Simulator = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
-        "reproduction"
-    ),
-    style: options.Style = "screen",
-    width_mm: options.WidthMm = None,
-    settings: options.Settings = None,
-    json: options.Json = False,
-) -> None:
+@options.declare(
+    Path(__file__).with_name("reproduce.toml"),
+    *("repeats", "seed", "workers", "scheduler", "simulator", "out", "style", "width_mm", "settings", "json"),
+)
+def reproduce(given: Given) -> None:
     """Repeat the paper's experiment and random search, and compare the paper's figures with ours.
 
     Flies 50 agents for each of ten targets and each repeat, then flies the best agents again. After an interruption
@@ -37,12 +24,15 @@ def reproduce(
     from driftform_paper.repeats import STRATEGIES, read_results
     from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
 
-    page = formats.parse_page(style, width_mm)
+    page, out = formats.parse_page(given.style, given.width_mm), given.out
     started = time.perf_counter()
-    seeds = range(seed, seed + repeats)
+    seeds = range(given.seed, given.seed + given.repeats)
     studies = {
         (s, n): load_study(
-            "paper", settings or (), use={"strategy": s, "simulator": simulator}, run={"seed": n, "evaluations": None}
+            "paper",
+            given.settings or (),
+            use={"strategy": s, "simulator": given.simulator},
+            run={"seed": n, "evaluations": None},
         )
         for s in STRATEGIES
         for n in seeds
@@ -51,14 +41,14 @@ def reproduce(
     files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     searches = [{runs[key]: study for key, study in studies.items() if key[0] == s} for s in STRATEGIES]
-    search_repeats(searches, scheduler, workers, f"driftform reproduce --out {out}")
+    search_repeats(searches, given.scheduler, given.workers, f"driftform reproduce --out {out}")
     found = {s: read_results([(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])
     figures = write_figures(out / "figures", first, found, again, page)
     seconds = time.perf_counter() - started
     markdown = results_markdown(first.scenario, found, again)
     files.write_text(out / "results.md", markdown)
-    if json:
+    if given.json:
         output.print_json(
             {
                 **results_document(first.scenario, found, again),

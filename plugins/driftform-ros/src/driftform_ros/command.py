@@ -4,9 +4,8 @@ import os
 import signal
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, get_args
-
-import typer
+from types import SimpleNamespace as Given
+from typing import TYPE_CHECKING, get_args
 
 from driftform.cli import options
 
@@ -14,32 +13,12 @@ if TYPE_CHECKING:
     from driftform import Design
 
 
-def ros(
-    agent: options.Agent,
-    remaps: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="NAME:=VALUE", help="Remaps, as roslaunch appends them, or after --ros-args."),
-    ] = None,
-    rate: Annotated[
-        float, typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit.")
-    ] = 1.0,
-    rate_hz: Annotated[
-        float, typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages per topic and second of flight.")
-    ] = 20.0,
-    once: Annotated[
-        bool, typer.Option("--once", help="End after the flight instead of waiting for a release.")
-    ] = False,
-    clock: Annotated[
-        bool, typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if another node publishes it.")
-    ] = True,
-    max_current: Annotated[
-        float, typer.Option(metavar="M/S", min=0, max=100, help="Fastest current that is taken from the topic, m/s.")
-    ] = 20.0,
-    scenario: options.ScenarioOption = None,
-    simulator: options.Simulator = None,
-    hydrodynamics: options.Hydrodynamics = None,
-    settings: options.Settings = None,
-) -> None:
+@options.declare(
+    Path(__file__).with_name("ros.toml"),
+    *("agent", "remaps", "rate", "rate_hz", "once", "clock", "max_current"),
+    *("scenario", "simulator", "hydrodynamics", "settings"),
+)
+def ros(given: Given) -> None:
     """Fly an agent live on a running ROS: clock, transforms, odometry, hull and sensors, as 'export-flight' writes them.
 
     The water has the velocity of the topic 'hydrodynamics/current_velocity' as soon as one arrives. The services 'release'
@@ -53,15 +32,15 @@ def ros(
     from driftform_ros.rclpy_bus import RclpyBus
     from driftform_ros.rospy_bus import RospyBus
 
-    use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    words = [word for word in remaps or () if word not in ("--ros-args", "-r", "--remap")]
+    use = {"simulator": given.simulator, "hydrodynamics": given.hydrodynamics}
+    words = [word for word in given.remaps or () if word not in ("--ros-args", "-r", "--remap")]
     if wrong := next((word for word in words if ":=" not in word), None):
         raise InputError(f"'{wrong}' is neither an option nor a remap, NAME:=VALUE; see 'driftform ros --help'")
 
     def open_named(text: str) -> "Design":
-        return open_agent(text, *(settings or ()), scenario=scenario, use=use)
+        return open_agent(text, *(given.settings or ()), scenario=given.scenario, use=use)
 
-    design = open_named(agent)
+    design = open_named(given.agent)
 
     def open_other(text: str) -> "Design":
         found = open_named(text)
@@ -71,17 +50,17 @@ def ros(
         return type(found).build(replace(found.stored, environment=design.study.environment()), text)
 
     is_ros2, release = os.environ.get("ROS_VERSION") == "2", os.environ.get("ROS_DISTRO")
-    given = design.study.make_recorder("rosbag2" if is_ros2 else "rosbag1").options
-    assert isinstance(given, FlightOptions)
-    if isinstance(given, Ros2Options) and release in get_args(Release):
-        given = given.model_copy(update={"release": release})
+    flight = design.study.make_recorder("rosbag2" if is_ros2 else "rosbag1").options
+    assert isinstance(flight, FlightOptions)
+    if isinstance(flight, Ros2Options) and release in get_args(Release):
+        flight = flight.model_copy(update={"release": release})
     design.fly()  # Fails before a node exists, if this agent cannot fly.
     # As roslaunch ends its nodes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    node = f"driftform_{given.namespace}"
-    if isinstance(given, Ros2Options):
-        bus: RclpyBus | RospyBus = RclpyBus(node, clock, words, given.release)
+    node = f"driftform_{flight.namespace}"
+    if isinstance(flight, Ros2Options):
+        bus: RclpyBus | RospyBus = RclpyBus(node, given.clock, words, flight.release)
     else:
-        bus = RospyBus(node, clock, words)
+        bus = RospyBus(node, given.clock, words)
     with bus:
-        LiveNode(bus, open_other, given, 1 / rate_hz, rate, max_current).run(design, once)
+        LiveNode(bus, open_other, flight, 1 / given.rate_hz, given.rate, given.max_current).run(design, given.once)

@@ -38,9 +38,6 @@ CURRENT = "geometry_msgs/TwistStamped"
 REHEARSAL = 1e-3
 """Steps before time begins, s."""
 
-MAX_CURRENT = 20.0
-"""Fastest current that is taken by default, m/s: twice that of the fastest tidal race."""
-
 LATE = 1.0
 """Delay from which a warning is printed, s."""
 
@@ -66,7 +63,7 @@ class LiveNode:
         options: FlightOptions,
         interval: float,
         rate: float,
-        max_current: float = MAX_CURRENT,
+        max_current: float,
     ) -> None:
         self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
         self._rate, self._max_current = rate or math.inf, max_current

@@ -1,29 +1,13 @@
 """``driftform studio``."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
+from types import SimpleNamespace as Given
 
 from driftform.cli import options
 
 
-def studio(
-    folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="Folder of the runs; created if it does not exist.")
-    ] = Path("runs"),
-    port: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=65535,
-            help="Port on 127.0.0.1; by default the last port of FOLDER, or any free port.",
-        ),
-    ] = None,
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
-    json: options.Json = False,
-) -> None:
+@options.declare(Path(__file__).with_name("studio.toml"), "folder", "port", "browser", "json")
+def studio(given: Given) -> None:
     """Open a local page to draw a pipe, search for agents, and take their files.
 
     The page is served on this machine only, under an address with a secret token, until Ctrl-C. Searches that it began
@@ -33,9 +17,9 @@ def studio(
     from driftform_studio.server import serve
 
     def announce(address: str) -> None:
-        if json:
-            output.print_json({"address": address, "folder": str(folder)})
+        if given.json:
+            output.print_json({"address": address, "folder": str(given.folder)})
         else:
             print(f"driftform studio: {address}\nCtrl-C ends the page; searches continue", flush=True)
 
-    serve(folder, port, announce, browser)
+    serve(given.folder, given.port, announce, given.browser)

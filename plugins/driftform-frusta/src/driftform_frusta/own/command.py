@@ -2,50 +2,18 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from types import SimpleNamespace as Given
 
 import typer
 
 from driftform.cli import options
 
 
-def body(
-    profile: Annotated[
-        Path,
-        typer.Argument(
-            metavar="PROFILE",
-            help="A CSV file with the columns x_mm,r_mm or x_m,r_m, x from the nose; or STL, OBJ, PLY, GLB or STEP of a "
-            "closed solid of revolution.",
-        ),
-    ],
-    mass: Annotated[float, typer.Option(metavar="KG", help="Mass of the whole body.")],
-    cog: Annotated[float, typer.Option(metavar="M", help="Distance of the centre of gravity from the nose.")],
-    inertia: Annotated[
-        tuple[float, float] | None,
-        typer.Option(
-            metavar="AXIAL TRANSVERSE",
-            help="Moments of inertia about the centre of gravity, kg m2; by default those of even density.",
-        ),
-    ] = None,
-    coefficients: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="TOML with added mass and damping by Fossen's names, such as Y_vdot and Y_vv: each matrix replaces the "
-            "hull's, whose mesh may then have fins.",
-        ),
-    ] = None,
-    unit: Annotated[
-        str | None, typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB.")
-    ] = None,
-    flip: Annotated[bool, typer.Option("--flip", help="Take the other end as the nose.")] = False,
-    scenario: Annotated[
-        str | None, typer.Option(metavar="NAME|FILE", help="Scenario that the agent is made for.")
-    ] = None,
-    settings: options.Settings = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")] = None,
-    json: options.Json = False,
-) -> None:
+@options.declare(
+    Path(__file__).with_name("body.toml"),
+    *("profile", "mass", "cog", "inertia", "coefficients", "unit", "flip", "scenario", "settings", "out", "json"),
+)
+def body(given: Given) -> None:
     """Make an agent of your own body from its profile, mass and centre of gravity; all commands take it."""
     from driftform import Design, StoredAgent, load_study
     from driftform.cli import output
@@ -54,11 +22,12 @@ def body(
     from driftform_frusta.own.coefficients import KINDS, measure_model
     from driftform_frusta.own.profile import MAX_DEVIATION, MAX_FINS, read_profile
 
+    profile, coefficients, mass, cog = given.profile, given.coefficients, given.mass, given.cog
     limit = MAX_DEVIATION if coefficients is None else MAX_FINS
-    file, shape = out or Path(f"{profile.stem}.json"), read_profile(profile, unit, flip, limit)
+    file, shape = given.out or Path(f"{profile.stem}.json"), read_profile(profile, given.unit, given.flip, limit)
     made = {"use": "profile", "profile": shape.points.round(9).tolist(), "mass": mass, "cog": cog}
-    made |= {"inertia": list(inertia)} if inertia else {}
-    water = load_study(scenario, settings or ()).environment()
+    made |= {"inertia": list(given.inertia)} if given.inertia else {}
+    water = load_study(given.scenario, given.settings or ()).environment()
     stored = StoredAgent(file.stem, Genome("fixed", ()), {**water, "grammar": {"use": "fixed"}, "builder": made}, {})
     design = Design.build(stored, str(file)).under()
     measured: list[str] = []
@@ -93,7 +62,7 @@ def body(
         "hydrodynamics": design.pipeline.hydrodynamics.name,
         "measured": measured,
     }
-    if json:
+    if given.json:
         output.print_json(facts)
         return
     print(f"{profile}: {1000 * shape.length:.1f} mm long, {1000 * design.max_diameter:.1f} mm in diameter")
