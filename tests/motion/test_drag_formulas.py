@@ -12,13 +12,13 @@ from driftform.motion.forces.drag import axial_drag, sphere_drag, spin_drag, str
 from driftform.motion.forces.drag_coefficients import (
     base_coefficient,
     blockage_factor,
-    crossflow_coefficient,
+    crossflow_drag,
     end_shape_factor,
     finite_length_factor,
     form_factor,
     friction_coefficient,
     nose_coefficient,
-    sphere_coefficient,
+    sphere_excess,
     sphericity,
     spin_coefficient,
 )
@@ -32,9 +32,9 @@ reynolds_numbers = st.floats(0, 6).map(lambda e: 10**e)
 
 @given(reynolds_numbers)
 def test_coefficients_are_the_formulas_of_their_sources(re):
-    assert crossflow_coefficient(re) == pytest.approx(1.18 + 1.96 / re**0.5, rel=1e-9)
+    assert crossflow_drag(re, 1.0) / re == pytest.approx(1.18 + 1.96 / re**0.5, rel=1e-9)
     clift = 24 / re * (1 + 0.15 * re**0.687) + 0.42 / (1 + 42500 * re**-1.16)
-    assert sphere_coefficient(re) == pytest.approx(clift, rel=1e-9)
+    assert 24 / re + sphere_excess(re) == pytest.approx(clift, rel=1e-9)
     # A spin below 40 goes with the inverse of Re.
     spin = (3.507 * math.log10(max(re, 40)) - 2.565) ** -2 * max(1, 40 / re)
     assert spin_coefficient(re) == pytest.approx(spin, rel=1e-9)
@@ -93,7 +93,7 @@ def test_a_strip_feels_the_water_that_moves_past_it(turn):
     velocity = np.array(moving) + np.cross(omega, [x, 0, 0]) - (x - middle) * np.array(shear)
     across = velocity * [0, 1, 1]
     speed = np.linalg.norm(across)
-    expected = -0.5 * RHO * wet * factor * d * dx * crossflow_coefficient(speed * d / NU) * speed * across
+    expected = -0.5 * RHO * wet * factor * d * dx * crossflow_drag(speed, NU / d) * across
     found = strip_drag(moving, omega, shear, middle, (RHO, NU, wet), np.array([x, d, dx, factor]))
     assert found == pytest.approx(expected, rel=1e-9)
 
@@ -102,7 +102,7 @@ def test_a_sphere_and_a_spin_have_the_forces_of_their_coefficients():
     v, area = np.array([0.3, -0.4, 1.2]), 7e-4
     # What creeping has is a force of its own.
     re = 1.3 * 0.03 / NU
-    expected = -0.5 * RHO * area * (sphere_coefficient(re) - 24 / re) * 1.3 * v
+    expected = -0.5 * RHO * area * sphere_excess(re) * 1.3 * v
     assert sphere_drag(tuple(v), RHO, NU, area, 0.03) == pytest.approx(expected)
     assert sphere_drag(tuple(v), RHO, NU, 0.0, 0.03) == (0.0, 0.0, 0.0)
     for rate in (-8.0, 8.0):

@@ -22,48 +22,32 @@ _FRONT = LAMINAR_BELOW * 0.075 / (math.log10(LAMINAR_BELOW) - 2.0) ** 2 - 1.328 
 
 
 @compiled
-def crossflow_coefficient(reynolds: float) -> float:
-    """Return C_d of a cylinder across the flow, on its diameter, less what creeping motion adds: 1.18 + 1.96 / sqrt(Re).
-
-    Two terms of the fit of Sucker and Brauer (Waerme- und Stoffuebertragung 8, 1975, 149) to long cylinders, up to Re = 2e5 on
-    the diameter: it leaves out the drag crisis. Their 6.8 / Re^0.89 is the creeping flow about a cylinder without ends, for which
-    :mod:`driftform.motion.forces.creeping` has that of the whole body. Their dip of 0.33 about Re = 1700, of flow that is the same all
-    along a cylinder, is left out: Hoelzer and Sommerfeld (2008) found none in the drag of bodies.
-
-    >>> [round(crossflow_coefficient(re), 2) for re in (1.0, 100.0, 1000.0, 1e5)]
-    [3.14, 1.38, 1.24, 1.19]
-    """
-    return crossflow_drag(reynolds, 1.0) / reynolds if reynolds > 0.0 else math.inf
-
-
-@compiled
 def crossflow_drag(speed: float, scale: float) -> float:
     """Return C_d times ``speed`` (m/s) of a long cylinder across the flow; ``scale`` is viscosity over diameter, m/s.
 
-    This is :func:`crossflow_coefficient` of Re = speed / scale, written so that it is finite at rest.
+    C_d on the diameter is 1.18 + 1.96 / sqrt(Re), with Re = speed / scale, less what creeping motion adds: two terms of the
+    fit of Sucker and Brauer (Waerme- und Stoffuebertragung 8, 1975, 149) to long cylinders, up to Re = 2e5: it leaves out the
+    drag crisis. Their 6.8 / Re^0.89 is the creeping flow about a cylinder without ends, for which
+    :mod:`driftform.motion.forces.creeping` has that of the whole body. Their dip of 0.33 about Re = 1700, of flow that is the
+    same all along a cylinder, is left out: Hoelzer and Sommerfeld (2008) found none in the drag of bodies.
 
-    >>> round(crossflow_drag(0.5, 1e-5) / 0.5, 3), round(crossflow_coefficient(5e4), 3)
-    (1.189, 1.189)
+    >>> [round(crossflow_drag(re, 1.0) / re, 2) for re in (1.0, 100.0, 1000.0, 1e5)]
+    [3.14, 1.38, 1.24, 1.19]
     """
     return CROSSFLOW_PLATEAU * speed + CROSSFLOW_FRICTION * math.sqrt(speed * scale)
 
 
 @compiled
-def sphere_coefficient(reynolds: float) -> float:
-    """Return C_d of a sphere, on its frontal area: 24 / Re (1 + 0.15 Re^0.687) + 0.42 / (1 + 42500 Re^(-1.16)).
+def sphere_excess(reynolds: float) -> float:
+    """Return C_d of a sphere, on its frontal area, less what creeping motion has, 24 / Re; Re must be positive.
 
-    Clift and Gauvin (1970), in Clift, Grace and Weber, Bubbles, Drops and Particles (1978), table 5.1: within 6 % of the
-    standard drag curve for Re (on the diameter) below 3e5, where the drag crisis begins.
+    C_d is 24 / Re (1 + 0.15 Re^0.687) + 0.42 / (1 + 42500 Re^(-1.16)): Clift and Gauvin (1970), in Clift, Grace and Weber,
+    Bubbles, Drops and Particles (1978), table 5.1: within 6 % of the standard drag curve for Re (on the diameter) below 3e5,
+    where the drag crisis begins.
 
-    >>> [round(sphere_coefficient(re), 3) for re in (1.0, 1000.0, 1e5)]
+    >>> [round(24 / re + sphere_excess(re), 3) for re in (1.0, 1000.0, 1e5)]
     [27.6, 0.466, 0.492]
     """
-    return 24.0 / reynolds + sphere_excess(reynolds) if reynolds > 0.0 else math.inf
-
-
-@compiled
-def sphere_excess(reynolds: float) -> float:
-    """Return :func:`sphere_coefficient` less what creeping motion has, 24 / Re; Re must be positive."""
     return float(3.6 * reynolds ** (-0.313) + 0.42 / (1.0 + 42500.0 * reynolds ** (-1.16)))
 
 
