@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from driftform_networks.flights.bodies import open_traveller
-from driftform_networks.flights.bore import BANDS, MIXED
+from driftform_networks.flights.bore import BANDS, MIXED, find_band, sample_band, smallest_share, spread_points
 from driftform_networks.flights.junctions import Junction, divide_bodies
 from driftform_networks.passages.routing import TEE
 
@@ -51,6 +51,24 @@ def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_i
     # It arrives in any band.
     assert table.arrival == pytest.approx(np.broadcast_to(MIXED, (BANDS, 2, BANDS)))
     assert not table.leaves.any()
+
+
+@pytest.mark.parametrize("size", [0.1, 0.5, 0.9, 1.0])
+def test_a_branch_whose_water_no_centre_reaches_takes_no_sphere(size):
+    assert smallest_share(size) == pytest.approx(cut_segment(1 - size))
+    points = spread_points(1.0, 90, 720)
+    assert smallest_share(size) == pytest.approx((points[:, 0] > 1 - size).mean(), abs=2e-3)
+
+
+@pytest.mark.parametrize("band", range(BANDS))
+def test_points_of_a_band_lie_in_it_and_fill_it_evenly(band):
+    points = sample_band(band, 0.8, np.random.default_rng(band).random((4000, 2)))
+    assert (find_band(points, 0.8) == band).all()
+    # The area within a distance grows with its square, from none or a ninth of the disc to all of it.
+    part = (np.linalg.norm(points, axis=1) / 0.8) ** 2
+    low, high = (0, 1 / 9) if band == 0 else (1 / 9, 1)
+    assert part.mean() == pytest.approx((low + high) / 2, abs=0.02)
+    assert part.std() == pytest.approx((high - low) / np.sqrt(12), abs=0.01)
 
 
 def test_a_link_without_a_bore_has_the_room_of_the_widest_outlet(sphere):

@@ -70,6 +70,19 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file,
     assert {end.kind for end in passage.ends} == {"demand", "under way"}
 
 
+@pytest.mark.parametrize("hour", [0.0, 12.0])
+def test_a_battery_lasts_as_long_at_any_hour_of_release(hour, fork_file, tmp_path):
+    path = tmp_path / "day.inp"
+    path.write_text(fork_file.read_text().replace("Duration 0", "Duration 24:00"))
+    more = {"size": 1, "walks": 50, "demand_error": 0.0, "cache": tmp_path}
+    bodies = [open_traveller("sphere:30mm")]
+    found = plan_inspection(
+        open_network(path, tmp_path), bodies, ["source"], 2, hours=[hour], within=1.0, battery=0.15, **more
+    )
+    # The main alone: its end is reached after 470 s, that of the run after 1180 s.
+    assert found.measure(found.recorded) == pytest.approx(1 / 3)
+
+
 def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(done, epanet):
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
     words += ["--agent", "sphere:5mm"]

@@ -165,3 +165,27 @@ def test_a_link_that_a_walk_passes_twice_is_seen_once():
         place=np.array([1, 2]),
     )
     assert walks.measure_records().tolist() == [10.0, 14.0, 14.0, 4.0]
+
+
+def test_times_count_from_each_release_and_all_flows_of_a_walk_have_one_factor(fork_file, tmp_path):
+    network = open_network(fork_file, tmp_path)
+    fork, source = network.find_node("fork"), network.find_node("source")
+    routings, began = [route_tracers(take_snapshot(network))], np.linspace(0, 9000, 4000)
+    walks = walk(routings, [0, np.inf], source, began, np.random.default_rng(1), demand_error=0.3)
+    place, time = walks.first_arrivals()
+    # 200 m of 300 mm at 30 l/s.
+    log = np.log(time[place == fork] / (200 * np.pi * 0.3**2 / 4 / 0.03))
+    assert len(log) == 4000
+    assert [log.mean(), log.std()] == pytest.approx([0, 0.3], abs=0.015)
+    assert abs(np.corrcoef(log, began)[0, 1]) < 0.06
+
+
+def test_a_demand_where_bodies_are_released_takes_its_share_of_them(fork_file, tmp_path):
+    path = tmp_path / "drawn.inp"
+    path.write_text(fork_file.read_text().replace(" fork 10 0", " fork 10 15"))
+    network = open_network(path, tmp_path)
+    fork = network.find_node("fork")
+    routings = [route_tracers(take_snapshot(network))]
+    walks = walk(routings, [0, np.inf], fork, np.zeros(4000), np.random.default_rng(1))
+    # 15 of 45 l/s leave there.
+    assert (walks.place == fork).mean() == pytest.approx(1 / 3, abs=0.03)
