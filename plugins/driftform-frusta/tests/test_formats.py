@@ -14,11 +14,13 @@ from manifold3d import Error, Manifold, Mesh64
 
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
+from driftform_frusta.csg import Revolve, Translate
 from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import hull_volume
-from driftform_frusta.parts import make_parts
+from driftform_frusta.parts import Part, make_parts
+from driftform_frusta.solid import to_solid
 from driftform_frusta.triangles import Mesh
 
 MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)
@@ -173,6 +175,16 @@ def test_a_3mf_plate_stands_on_the_bed_with_its_parts_apart(kit, tmp_path):
     for (low_a, high_a), (low_b, high_b) in pairwise(sorted(boxes, key=lambda b: tuple(b[0]))):
         apart = np.maximum(low_a[:2] - high_b[:2], low_b[:2] - high_a[:2]).max()
         assert apart >= 4.99
+
+
+def test_parts_beside_their_axis_lie_in_the_middle_of_their_places():
+    lug = Translate((40.0, 7.0, 0.0), Revolve(((0, 0), (5, 0), (5, 10), (0, 10))))
+    exporter = ThreeMfExporter(ThreeMfExporter.Options())
+    spots = exporter.place_parts([Part(name, lug, to_solid(lug)) for name in ("one", "two")])
+    middles = np.array([np.add(spot.mesh.bounds[:, :2].mean(axis=0), (spot.x, spot.y)) for spot in spots])
+    # About the middle of the plate, and apart.
+    assert middles.sum(axis=0) == pytest.approx((0, 0), abs=1e-6)
+    assert np.linalg.norm(middles[1] - middles[0]) > 10
 
 
 @pytest.mark.peers

@@ -8,6 +8,7 @@ from driftform.motion.forces.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform.water import Fluid
+from driftform_robotics.models.fitting import fit_products
 from driftform_robotics.models.link import MIN_SPEED, make_link, quadratic_damping, quadratic_wrench, reference_speed
 
 
@@ -66,6 +67,21 @@ def test_it_takes_energy_however_the_agent_moves_across_and_turns(cylinder, seed
     for _ in range(200):
         nu = rng.normal(size=6) * [1, 1, 1, 10, 10, 10]
         assert nu @ D @ (np.abs(nu) * nu) > 0
+
+
+def test_the_terms_of_a_file_are_the_same_in_the_planes_of_pitch_and_yaw(jobs):
+    """A body of revolution may be turned by a quarter about its axis: the wrench turns with its motion."""
+    job = jobs["dragged"]
+    products = fit_products(job, make_link(job))
+    assert np.abs(products[:, [2, 4]]).max() > 0
+    turn = np.kron(np.eye(2), [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+    def find_wrench(nu):
+        """The sum of [0, i, j, k] nu_j |nu_k| + [1, i, j, k] nu_j nu_k."""
+        return np.einsum("ijk,j,k", products[0], nu, abs(nu)) + np.einsum("ijk,j,k", products[1], nu, nu)
+
+    for nu in np.random.default_rng(1).normal(size=(20, 6)) * [1, 0, 1, 0, 9, 0]:
+        assert find_wrench(turn @ nu) == pytest.approx(turn @ find_wrench(nu), rel=1e-9, abs=1e-12)
 
 
 def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder):

@@ -73,8 +73,9 @@ def fit_products(job: ExportJob, link: Link) -> FloatArray:
         found = solve_bounded(columns * twice[:, None], target * twice, [-np.inf] * len(_TERMS), upper)
         for (kind, j, k), value in zip(_TERMS, found.tolist(), strict=True):
             products[kind, row, j, k] += value
-            (i, a), (m, b), (n, c) = _YAW[row], _YAW[j], _YAW[k]
-            products[kind, i, m, n] += a * b * (c if kind else 1.0) * value
+            # The second rate is a magnitude, or that of surge, which both planes share: its sign is no other.
+            (i, a), (m, b), (n, _) = _YAW[row], _YAW[j], _YAW[k]
+            products[kind, i, m, n] += a * b * value
     surge = np.column_stack((motions[:, 0] * abs(motions[:, 0]), motions[:, 0] ** 2)) * weights[:, None]
     limit = link.quadratic_damping[0, 0]
     products[:, 0, 0, 0] += solve_bounded(surge, lacking[:, 0] * weights, [-np.inf] * 2, [limit, np.inf])
