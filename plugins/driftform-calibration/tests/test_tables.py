@@ -129,6 +129,12 @@ TRACKPY = (
 IMAGEJ = " \tTrack n°\tSlice n°\tX\tY\tDistance\tVelocity\tPixel Value\n1\tA\t7\t300\t400\t-1\t-1\t9\n2\tA\t8\t301\t404\t4\t4\t9\n"
 
 
+def test_columns_of_velocities_are_not_points(write):
+    table = read_table(write("mass A\t\t\t\nt (s)\tx (cm)\ty (cm)\tv_y (cm/s)\n0\t1\t2\t\n0.1\t3\t4\t20\n"))
+    assert (list(table.points), table.unit) == ([""], "cm")
+    assert table.points[""].tolist() == [[1.0, 2.0], [3.0, 4.0]]
+
+
 @pytest.mark.parametrize(
     ("text", "point", "unit", "t"),
     [

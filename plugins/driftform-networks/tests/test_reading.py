@@ -74,6 +74,7 @@ def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path):
         (FORK.replace("fork", "f" * 32), "Error 252: invalid ID name"),
         (FORK.replace("Duration 0", "Duration 24000000"), "at most 100000 steps are read: shorten Duration"),
         (FORK.replace("[PIPES]", "[PYPES]"), "Error 299: invalid section keyword"),
+        (FORK.replace("[OPTIONS]", "[RULES]\nRULE 1\nIF TANK none LEVEL > 8\nTHEN PIPE on STATUS IS CLOSED\n[OPTIONS]"), "Error 200: one or more errors in input file, perhaps in [RULES]"),
         ("", "Error 223: not enough nodes"),
     ],
 )  # fmt: skip

@@ -77,7 +77,8 @@ def resolve_place(value: Any, layout: Layout) -> Any:
         place = Place.model_validate(value)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")) from None
+        said = first["msg"].replace("Input should be", f"= {first['input']!r}, and should be")
+        raise ValueError(f"{'.'.join(map(str, first['loc']))} {said}".strip()) from None
     return place.find_point(layout).tolist()
 
 

@@ -216,7 +216,9 @@ def _name_column(text: str) -> _Column | None:
     if (individual := re.fullmatch(r"([xyz])(\d+)", name)) is not None:
         return _Column(individual.group(1), individual.group(2), unit)
     point, axis = next((name.rsplit(mark, 1) for mark in "_./ " if mark in name), ("", name))
-    return _Column(axis, "" if point == "position" else point, unit) if axis in ("x", "y", "z") else None
+    # What has a unit per second is a velocity, as Tracker exports them.
+    is_place = axis in ("x", "y", "z") and "/" not in unit
+    return _Column(axis, "" if point == "position" else point, unit) if is_place else None
 
 
 def _even_rows(rows: Sequence[Sequence[str]], width: int) -> list[list[str]]:

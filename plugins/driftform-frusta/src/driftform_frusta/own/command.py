@@ -17,6 +17,7 @@ def body(given: Given) -> None:
     """Make an agent of your own body from its profile, mass and centre of gravity; all commands take it."""
     from driftform import Design, StoredAgent, load_study
     from driftform.cli import output
+    from driftform.errors import InputError
     from driftform.types import Genome
     from driftform.util import files
     from driftform_frusta.own.coefficients import KINDS, measure_model
@@ -25,6 +26,10 @@ def body(given: Given) -> None:
     profile, coefficients, mass, cog = given.profile, given.coefficients, given.mass, given.cog
     limit = MAX_DEVIATION if coefficients is None else MAX_FINS
     file, shape = given.out or Path(f"{profile.stem}.json"), read_profile(profile, given.unit, given.flip, limit)
+    if cog > shape.length:
+        raise InputError(
+            f"--cog {cog:g}: lies past the end of {profile}, which is {shape.length:.4g} m long: give m from the nose, and the unit of the file by --unit"
+        )
     made = {"use": "profile", "profile": shape.points.round(9).tolist(), "mass": mass, "cog": cog}
     made |= {"inertia": list(given.inertia)} if given.inertia else {}
     water = load_study(given.scenario, given.settings or ()).environment()

@@ -46,10 +46,10 @@ class _Project:
         """Call a function of the toolkit; its first value is an error beyond 100, and a warning below."""
         code, *values = getattr(self._library, f"EN_{name}")(self._handle, *arguments)
         if code:
-            said = f"{code}: {self._library.EN_geterror(code)[1]}"
+            said = self._library.EN_geterror(code)[1].removeprefix("WARNING: ").strip()
             if code > 100:
-                raise InputError(f"Error {said}")
-            self.warnings[said.partition(": ")[2].removeprefix("WARNING: ").strip()] = None
+                raise InputError(f"Error {code}: {said.removeprefix(f'Error {code}: ')}")
+            self.warnings[said] = None
         return values[0] if len(values) == 1 else values
 
     def list_all(self, name: str, count: int) -> list[Any]:

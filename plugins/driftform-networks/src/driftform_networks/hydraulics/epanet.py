@@ -146,7 +146,8 @@ def _find_suspect(text: str) -> str:
             if len(word.encode()) > 31 or _BEYOND.fullmatch(word):
                 shown = word if len(word) < 40 else f"{word[:12]}... of {len(word)} letters"
                 return f", perhaps by line {number}: {shown} (names have at most 31 bytes)"
-    return ""
+    has_rules = re.search(r"^\s*\[RULE", text, re.IGNORECASE | re.MULTILINE)
+    return ", perhaps in [RULES], of which EPANET names no line: leave rules out to find it" if has_rules else ""
 
 
 def open_network(source: str | Path, cache: Path | None = None, changes: Changes | None = None) -> Network:
