@@ -88,7 +88,7 @@ class LiveFlight:
         return found
 
     def _meet_current(self, current: FloatArray) -> tuple[Scenario, Trajectory]:
-        from driftform.motion import path
+        from driftform.motion.path.continuation import change_current
         from driftform.water import field
 
         if current.shape != (3,) or not (np.abs(current) <= MAX_SPEED).all():
@@ -101,4 +101,4 @@ class LiveFlight:
         scenario = self.scenario.model_copy(update={"flow": UniformFlow(speed=0.0, added=(x, y, z))})
         if not change.any():
             return scenario, self.latest
-        return scenario, path.change_current(self.latest, self.agent, scenario, change)
+        return scenario, change_current(self.latest, self.agent, scenario, change)

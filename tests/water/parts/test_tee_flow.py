@@ -14,7 +14,8 @@ from driftform.water.parts.tee_store import JUNCTIONS, PACKAGED, file_name
 from driftform.water.parts.tee_wall import Junction, wall_level
 from driftform_tees.region import distance_beyond_ends
 
-SHAPES = (*JUNCTIONS, Junction(0.7, math.radians(45), 0.14))
+WYES = ((0.7, 45, 0.14), (0.7, 60, 0.14), (1.0, 45, 0.2))
+SHAPES = (*JUNCTIONS, *(Junction(branch, math.radians(angle), fillet) for branch, angle, fillet in WYES))
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 LEG = 2.0
@@ -42,7 +43,9 @@ def water_points(junction, count=400):
         x, y, z = rng.uniform([left, -1, -1], [right, 1, end])
         if len(found) % 2 and abs(wall_level(x, y, z, wall)[0]) > junction.fillet:
             continue
-        if wall_level(x, y, z, wall)[0] < -0.01 and distance_beyond_ends(x, y, z, wall) < -0.05:
+        # Beyond its ends a part has no water, though the flow that is stored reaches a little farther.
+        is_inside = math.hypot(y, z) < 1 or x * math.cos(junction.angle) + z * math.sin(junction.angle) < end
+        if is_inside and wall_level(x, y, z, wall)[0] < -0.01 and distance_beyond_ends(x, y, z, wall) < -0.05:
             found.append((x, y, z))
     return np.array(found)
 

@@ -35,7 +35,12 @@ def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], objec
         @options.declare(Path(__file__).with_name("options.toml"), *names)
         @wraps(run)
         def command(given: Given) -> None:
-            run(given, _find_outputs(given))
+            from driftform_networks.output.results import Outputs
+
+            names = ("map", "tables", "report", "agents", "gis", "crs")
+            paths: dict[str, Any] = {name: getattr(given, name, None) for name in names}
+            page = formats.parse_page(given.style, given.width_mm)
+            run(given, Outputs(**paths, page=page, json=given.json).check())
 
         return app.command(run.__name__)(command)
 
@@ -192,16 +197,6 @@ def _open(given: Given) -> "Network":
 
     changes = Changes.parse(given.close or (), given.open or (), given.set_valve or ())
     return open_network(given.net, given.cache, changes)
-
-
-def _find_outputs(given: Given) -> "Outputs":
-    """Return the files that are asked for; refuse those that cannot be written."""
-    from driftform_networks.output.results import Outputs
-
-    page = formats.parse_page(given.style, given.width_mm)
-    names = ("map", "tables", "report", "agents", "gis", "crs")
-    paths: dict[str, Any] = {name: getattr(given, name, None) for name in names}
-    return Outputs(**paths, page=page, json=given.json).check()
 
 
 def _look(given: Given, network: "Network", outputs: "Outputs") -> tuple["Network", "Outputs"]:

@@ -78,16 +78,6 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_fil
     return _fill_grid(grid, scenario)
 
 
-def warn_of_flow(scenario: Scenario) -> list[str]:
-    """Return what a steady grid of the mean velocity leaves out, one line each."""
-    flow, found = scenario.flow, []
-    if scenario.has_gusts:
-        found.append("gusts are left out: the file has the mean current")
-    if flow.kind == "uniform" and flow.acceleration:
-        found.append(f"the current's acceleration of {flow.acceleration:g} m/s2 is left out")
-    return found
-
-
 def _find_box(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest coordinates of the pipe, m, (3,) each, with a radius beyond its ends."""
     layout = scenario.pipe.layout

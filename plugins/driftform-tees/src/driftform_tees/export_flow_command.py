@@ -16,7 +16,7 @@ def export_flow(given: Given) -> None:
     from driftform.cli import output
     from driftform.errors import InputError
     from driftform.util import files
-    from driftform_tees.currents import sample_current, warn_of_flow, write_current
+    from driftform_tees.currents import sample_current, write_current
 
     out = given.out
     if out.suffix.lower() != ".csv":
@@ -27,7 +27,10 @@ def export_flow(given: Given) -> None:
     scenario = load_study(given.study, given.settings or ()).scenario
     grid = sample_current(scenario, given.spacing)
     nodes = write_current(out, grid)
-    warnings, speed = warn_of_flow(scenario), scenario.flow.speed
+    flow, speed = scenario.flow, scenario.flow.speed
+    warnings = ["gusts are left out: the file has the mean current"] * scenario.has_gusts
+    if flow.kind == "uniform" and flow.acceleration:
+        warnings.append(f"the current's acceleration of {flow.acceleration:g} m/s2 is left out")
     if given.json:
         output.print_json(
             {

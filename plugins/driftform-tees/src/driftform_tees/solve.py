@@ -6,15 +6,17 @@ the normal velocity, which the solution satisfies exactly, reduces the leakage t
 Stenberg 1995 use such terms for other conditions). Unknowns are even in y.
 """
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
+from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform.util import allocating, progress
-from driftform.water.parts import tee_store, tee_wall
+from driftform.water.parts import tee_flow, tee_store, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
 from driftform_tees.region import distance_beyond_ends, distance_from_ball
@@ -42,13 +44,17 @@ ShowShare: TypeAlias = Callable[[float], None]
 
 
 def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
-    """Compute the two flows in a tee, as driftform stores them, in some minutes; progress is shown in percent."""
+    """Compute the two flows in a tee, as driftform stores them, in some minutes; progress is shown in percent, and its errors in a line.
+
+    Raises WorkFailedError if these are too large.
+    """
     wall = junction.array()
     levels = make_levels(junction)
     matrices, starts = coefficient_matrices(levels)
     mirror = _mirror_matrix(levels, starts)
     maps = [csr_array(matrix @ mirror) for matrix in matrices]
-    inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
+    ends = _end_points(wall)
+    inlet, outlet, end = (_load(points, levels, maps) for points in ends)
     loads = np.stack([outlet - inlet, end - inlet], axis=1)
     with progress.count_progress("% of the flow in the tee") as count:
         shown = 0
@@ -72,7 +78,39 @@ def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
         place += len(flows[-1])
     head = np.array([len(levels), *[0] * (tee_store.HEAD - 1), *rows], dtype=np.float64)
     through, branch = np.concatenate(flows).T.copy()
-    return tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch))
+    solved = tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch))
+    print(describe_errors(junction, solved, ends), file=sys.stderr, flush=True)
+    return solved
+
+
+def describe_errors(junction: tee_wall.Junction, found: tee_store.TeePotentials, ends: Sequence[FloatArray]) -> str:
+    """Return the errors of a solved flow in a line: of the flux through its legs, and its divergence beside its wall.
+
+    Raises WorkFailedError if they are so large that no body should fly by it: the cells are too wide for the edge.
+    """
+    wall, head = junction.array(), found.head.copy()
+    head[tee_store.HEAD + tee_store.LEVEL_SIZE - 1 :: tee_store.LEVEL_SIZE] += 2 + len(wall)
+    field = np.concatenate([[1.0, 1.0], wall, head, 0.6 * found.through + 0.4 * found.branch])
+    axes = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [wall[tee_wall.COSINE], 0.0, wall[tee_wall.SINE]]])
+    off = 0.0
+    for points, along, size, flux in zip(ends, axes, (-1.0, 1.0, junction.branch), (1.0, 0.6, 0.4), strict=True):
+        inside = (points[:, :3] - 2 * size * along).tolist()
+        speeds = np.array([tee_flow.tee_motion(tuple(point), field)[0] for point in inside]) @ along
+        off = max(off, abs(2 / np.pi * size**2 * float(speeds @ points[:, 3]) - flux))
+    low, high = (1 - wall[tee_wall.UPSTREAM], -1, -1), (wall[tee_wall.DOWNSTREAM] - 1, 1, wall[tee_wall.SIDE])
+    points = np.random.default_rng(0).uniform(low, high, (100_000, 3))
+    # The legs end elsewhere, and the flow there is of no interest.
+    points = points[points @ axes[2] < wall[tee_wall.SIDE] - junction.branch]
+    levels = _reach_levels(points, wall, 0.0)
+    near = points[(levels > -junction.fillet) & (levels < -0.01)][:4000].tolist()
+    slopes = np.array([tee_flow.tee_motion(tuple(point), field)[1] for point in near])
+    share = float(np.sqrt((np.trace(slopes, axis1=1, axis2=2) ** 2).sum() / (slopes**2).sum()))
+    line = (
+        f"errors of this flow: {100 * off:.2g} % of the flux, and a divergence of {100 * share:.2g} % of the gradient"
+    )
+    if not (off < 0.005 and share < 0.25):
+        raise WorkFailedError(f"{line}: too large to fly by; choose a larger fillet, or an angle nearer to 90 degrees")
+    return f"{line} (of those that come with driftform, at most 0.03 and 7 %)"
 
 
 def make_levels(junction: tee_wall.Junction) -> list[Level]:

@@ -4,7 +4,6 @@ from .accelerations import net_wrench as net_wrench
 from .approach import Approach as Approach
 from .approach import closest_approach as closest_approach
 from .clearance import wall_clearances as wall_clearances
-from .continuation import change_current as change_current
 from .curve import evaluate_path as evaluate_path
 from .interpolation import Pose as Pose
 from .interpolation import even_times as even_times

@@ -24,7 +24,7 @@ def present_bodies(bodies: Sequence[Screened], best: Screened, passage: Passage,
         worst, weight = one["worst"], -1000 * one["net_buoyancy"] / best.body.scenario.fluid.gravity + 0.0
         states = [f"{100 * worst[name]:.0f}" if one["reach"] else "-" for name in ("rides", "drags", "stops")]
         row = [one["body"], f"{weight:.2f}", f"{100 * one['reach']:.1f}", f"{one['nodes']}", clock(worst["hour"])]
-        rows.append([*row, *states, f"{len(one['closed'])} links"])
+        rows.append([*row, *states, f"{(count := len(one['closed']))} link{'s' * (count != 1)}"])
     reasons = Counter(reason.partition(":")[0] for reason in facts["closed"].values()).most_common()
     document: dict[str, Any] = {
         "network": network.name,

@@ -49,11 +49,6 @@ class Walks:
     ends: IntArray
     place: IntArray
 
-    @property
-    def count(self) -> int:
-        """Number of walks."""
-        return len(self.began)
-
     def first_arrivals(self) -> tuple[IntArray, FloatArray]:
         """Return node and time since the release of each first arrival of a walk at a node, (arrivals,) each."""
         arrived = np.flatnonzero(self.node >= 0)
@@ -89,7 +84,7 @@ class Walks:
         low, high = np.full(len(key), np.inf), np.full(len(key), -np.inf)
         np.minimum.at(low, index, self.low)
         np.maximum.at(high, index, self.high)
-        return np.bincount(key % links, high - low, links) / self.count
+        return np.bincount(key % links, high - low, links) / len(self.began)
 
 
 def walk(
@@ -305,11 +300,11 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = 
     nodes = len(walks.network.nodes)
     node, time = walks.first_arrivals()
     arrivals = np.bincount(node, minlength=nodes)
-    probability = arrivals / walks.count
+    probability = arrivals / len(walks.began)
     with np.errstate(invalid="ignore"):
         age = np.bincount(node, time, nodes) / arrivals
     probability[walks.release], age[walks.release] = 1.0, 0.0
-    visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count
+    visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / len(walks.began)
     visits[walks.release] += 1
     arrived, sight, hour = (visits, probability, age), walks.measure_sight(), float(walks.began.min()) / 3600
     ends, quantiles = count_ends(walks, routings), measure_quantiles(walks)
@@ -321,7 +316,7 @@ def count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
     network = walks.network
     for how in range(CIRCLING + 1):
         places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
-        for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
+        for place, share in zip(places.tolist(), (counts / len(walks.began)).tolist(), strict=True):
             if how == LEFT:
                 yield leave(network, place, share)
             elif how == UNDER_WAY:

@@ -137,9 +137,10 @@ def choose_nets(times: FloatArray, worth: FloatArray, size: int) -> tuple[IntArr
         values = evaluate(others)
         if values.max() > values[chosen[place]] * (1 + 1e-9):
             chosen[place] = _find_best(values)
-    # Where one more net would take more from the others than it yields, there are fewer.
-    chosen = list(dict.fromkeys(chosen))
-    return np.array(chosen, np.int64), float(catch(times[chosen], worth[chosen])[0].sum()), bound
+    # Where one more net would take more from the others than it yields, or catch nobody, there are fewer.
+    value, first, when = catch(times[chosen], worth[chosen])
+    kept = {chosen[net] for net in first[np.isfinite(when)].tolist()}
+    return np.array([place for place in dict.fromkeys(chosen) if place in kept], np.int64), float(value.sum()), bound
 
 
 def _find_best(values: FloatArray) -> int:
@@ -191,7 +192,7 @@ def plan_inspection(
             ends = list(count_ends(followed[-1][2], routings))
             passed.append((find_passings(routings, visits.astype(np.float64)), ends))
     reachable = np.any([case.find_reachable() for case in cases], axis=0)
-    life = np.full(followed[0][2].count, 3600 * (within if battery is None else min(battery, within)))
+    life = np.full(len(followed[0][2].began), 3600 * (within if battery is None else min(battery, within)))
     sight = np.array([walks.until(life).measure_sight() for *_, walks in followed])
     picked, _, _ = choose_fleet(sight, np.where(reachable, network.worth, 0.0), size)
     members = [followed[row] for row in picked.tolist()]
