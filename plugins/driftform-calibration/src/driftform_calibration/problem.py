@@ -281,19 +281,16 @@ class Problem:
         for j, p in enumerate(self.parameters):
             if p.owner not in (-1, number):
                 continue
-            if p.step > 0.0:
-                step = p.step if x[j] + p.step <= p.high else -p.step
-                moved = x.copy()
-                moved[j] += step
+            # The camera's have no step: the flight is the same, and its end, which follows the delay, is not seen.
+            step, flown = (p.step, None) if p.step else (1e-5, path)
+            if p.step and x[j] + step > p.high:
+                step = -step
+            if p.name == "rise" and np.isinf(path.contact):
                 # In still water a whole flight without a contact rises with its release, but for rounding.
-                is_lifted = p.name == "rise" and np.isinf(path.contact)
-                other = replace(path, position=path.position + np.array([0.0, 0.0, step])) if is_lifted else None
-                out[:, j] = (self._weigh(number, self.see(moved, number, other)) - base) / step
-            else:
-                # The camera's: the flight is the same, and its end, which follows the delay, is not seen.
-                moved = x.copy()
-                moved[j] += 1e-5
-                out[:, j] = (self._weigh(number, self.see(moved, number, path)) - base) / 1e-5
+                flown = replace(path, position=path.position + np.array([0.0, 0.0, step]))
+            moved = x.copy()
+            moved[j] += step
+            out[:, j] = (self._weigh(number, self.see(moved, number, flown)) - base) / step
         return out
 
 

@@ -107,9 +107,6 @@ class Bore:
 
 def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
     """Return a pipe as straight pieces, seen from the direction ``viewer`` (world, (3,)); none in open water."""
-    if pipe.straight is not None:
-        whole = pipe.straight
-        return [Bore.between(np.array(whole.start), np.array(whole.end), whole.radius, viewer)]
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part

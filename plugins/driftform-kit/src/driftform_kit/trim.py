@@ -192,7 +192,16 @@ class _Planner:
         off = [abs((p.diameter or 0.0) - ball.diameter) for p, ball in zip(pieces, seats, strict=True)]
         if seats and all(o <= _SAME_SIZE * ball.diameter for o, ball in zip(off, seats, strict=True)):
             return _Plan(self.weight, required, pieces, tuple(seats))
-        plan = replace(self.plan_seats(required, kit, self.measure), misfits=kit.held)
+        unheld, plan = "no ball has room where it is needed", None
+        try:
+            # A seat weighs too.
+            plan = self.settle(kit, self.measure)
+        except WorkFailedError as error:
+            unheld = str(error)
+        plan = plan or _Plan(
+            self.weight, required, ballast.place_by_hand(self.agent.body, required, density), unheld=unheld
+        )
+        plan = replace(plan, misfits=kit.held)
         if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
             return replace(plan, pieces=())
         return plan
@@ -201,17 +210,6 @@ class _Planner:
         return ballast.required_ballast(
             self.agent.mass, MassElement.reweigh(self.agent, weight.elements(self.agent)).mass
         )
-
-    def plan_seats(self, required: MassElement, kit: KitReport, measure: MeasureKit) -> _Plan:
-        """Ballast that the kit holds by a seat, which weighs too; or else what can be fixed by hand."""
-        unheld = "no ball has room where it is needed"
-        try:
-            if plan := self.settle(kit, measure):
-                return plan
-        except WorkFailedError as error:
-            unheld = str(error)
-        pieces = ballast.place_by_hand(self.agent.body, required, self.density)
-        return _Plan(self.weight, required, pieces, unheld=unheld)
 
     def settle(self, kit: KitReport, measure: MeasureKit) -> _Plan | None:
         """Repeat until the ballast is that of a print with the seat for it; ``None`` if no ball has room."""

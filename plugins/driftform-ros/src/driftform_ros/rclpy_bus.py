@@ -4,7 +4,8 @@ import os
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, Self
+from contextlib import AbstractContextManager
+from typing import Any
 
 from driftform.errors import WorkFailedError
 from driftform_robotics.options import Release
@@ -18,7 +19,7 @@ FLUSH = 0.3
 """Time for the last messages to be sent, s."""
 
 
-class RclpyBus:
+class RclpyBus(AbstractContextManager["RclpyBus"]):
     """A node of ROS 2, as :class:`driftform_ros.rospy_bus.RospyBus` is one of ROS 1.
 
     Messages are bytes, encoded by ``ros`` with the definitions of a ``release``.
@@ -46,9 +47,6 @@ class RclpyBus:
         self._frames, self._publishers = tf2_ros.Buffer(), dict[str, Any]()
         self._listener = tf2_ros.TransformListener(self._frames, self._node)
         threading.Thread(target=rclpy.spin, args=(self._node,), daemon=True).start()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         time.sleep(FLUSH)

@@ -5,8 +5,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from driftform.errors import WorkFailedError
 from driftform_robotics.recording.messages import full_name, make_messages
@@ -44,7 +45,7 @@ def find_rospy() -> None:
         ) from None
 
 
-class RospyBus:
+class RospyBus(AbstractContextManager["RospyBus"]):
     """A node of ROS 1; it ends with the context. Callbacks run in threads of rospy.
 
     Messages are bytes, encoded by ``ros``. ``has_clock`` is whether the flight publishes the time of ROS, ``address`` that of
@@ -82,9 +83,6 @@ class RospyBus:
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._frames = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._frames)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         if not self.is_alive():

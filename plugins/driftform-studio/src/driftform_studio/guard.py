@@ -12,6 +12,8 @@ from secrets import compare_digest
 from typing import Any
 
 import h11
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -58,11 +60,9 @@ class Guard:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                given = {name for name, _ in message["headers"]}
-                message["headers"] = [
-                    *message["headers"],
-                    *((n.encode(), v.encode()) for n, v in HEADERS.items() if n.encode() not in given),
-                ]
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         if scope["type"] != "http":
@@ -70,7 +70,7 @@ class Guard:
         refusal = self._refuse(scope)
         if refusal is None and scope["method"] not in ("GET", "HEAD"):
             largest = MAX_FILE if scope["path"].endswith("/api/files") else MAX_BODY
-            receive, refusal = await _read_body(receive, largest)
+            receive, refusal = await _read_body(Request(scope, receive), largest)
         if refusal is not None:
             await refusal(scope, receive, send_with_headers)
             return
@@ -80,13 +80,11 @@ class Guard:
 
     def _refuse(self, scope: Scope) -> Response | None:
         """Return the refusal of a foreign request, ``None`` for one of the page."""
-        headers: dict[str, str] = {}
-        for name, value in scope["headers"]:
-            key = name.decode("latin-1")
+        headers = Headers(scope=scope)
+        for key in ("host", "origin"):
             # A browser sends one of each: with two it is unclear which counts.
-            if key in headers and key in ("host", "origin"):
+            if len(headers.getlist(key)) > 1:
                 return _refuse(400, f"two headers '{key}'")
-            headers[key] = value.decode("latin-1")
         if headers.get("host") not in self._hosts:
             return _refuse(403, "this server answers only under its own address, on this machine")
         if "origin" in headers and headers["origin"] not in self._origins:
@@ -101,22 +99,19 @@ class Guard:
         return None
 
 
-async def _read_body(receive: Receive, largest: int) -> tuple[Receive, Response | None]:
+async def _read_body(request: Request, largest: int) -> tuple[Receive, Response | None]:
     """Return the body as one message, or the refusal of a large one, which is not read to its end."""
-    parts: list[bytes] = []
-    size, more = 0, True
-    while more:
-        message = await receive()
-        if message["type"] != "http.request":
-            return receive, _refuse(400, "the request was cut short")
-        parts.append(message.get("body", b""))
-        size, more = size + len(parts[-1]), message.get("more_body", False)
-        if size > largest:
-            return receive, _refuse(413, f"the request is larger than {largest // 1000} kB")
-    body = b"".join(parts)
+    body = bytearray()
+    try:
+        async for part in request.stream():
+            body += part
+            if len(body) > largest:
+                return request.receive, _refuse(413, f"the request is larger than {largest // 1000} kB")
+    except ClientDisconnect:
+        return request.receive, _refuse(400, "the request was cut short")
 
     async def replay() -> Message:
-        return {"type": "http.request", "body": body, "more_body": False}
+        return {"type": "http.request", "body": bytes(body), "more_body": False}
 
     return replay, None
 

@@ -1,5 +1,6 @@
 """``driftform studio``: one server on this machine, for one folder of runs."""
 
+import os
 import secrets
 import socket
 import sys
@@ -68,16 +69,9 @@ def serve(folder: Path, port: int | None, announce: Callable[[str], None], brows
 def _listen(port: int | None, before: int) -> socket.socket:
     """Return a socket that listens at a port, or at the one before if it is free, or else at any."""
     for number in (port,) if port is not None else (before, 0):
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        if sys.platform != "win32":
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            listener.bind((HOST, number))
-            listener.listen(128)
+            return socket.create_server((HOST, number), backlog=128)
         except OSError as error:
-            listener.close()
             if port is not None:
-                raise InputError(f"--port {port}: {error.strerror}; choose another one") from None
-        else:
-            return listener
+                raise InputError(f"--port {port}: {os.strerror(error.errno or 0)}; choose another one") from None
     raise AssertionError("port 0 is any free one")

@@ -14,12 +14,10 @@ from driftform.util.foreign import run_program
 from driftform_frusta.csg import MM
 from driftform_kit.checks.programs import last_line, require_program
 from driftform_kit.reading import provide_stl, read_meshes
+from driftform_kit.templates import fill_template
 
 _FILAMENT = 1.75
 """Diameter of the filament, mm."""
-
-SOLID_OVERLAP, USUAL_OVERLAP = 10, 25
-"""Overlap of infill and perimeters, % of a line: at the slicer's usual 25 %, solid parts get 1 to 2 % too much filament."""
 
 _FAULTS = "open_edges", "facets_reversed", "backwards_edges", "degenerate_facets", "facets_removed"
 """Counts that it prints of a mesh that is not sound."""
@@ -103,27 +101,12 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
     def _slice(self, path: Path, folder: Path, printer: Printer) -> tuple[float, float] | str:
         """Return the filament (mm3) and the time (s) of a part by its g-code, or the reason why there is no g-code."""
         o = self.options
-        width, depth, height = (MM * side for side in printer.bed)
-        gcode = folder / "part.gcode"
+        bed = [f"{MM * side:g}" for side in printer.bed]
+        config, gcode = folder / "slicer.ini", folder / "part.gcode"
+        lines = fill_template("slicer.ini", options=o, printer=printer, mm=MM, filament=_FILAMENT, bed=bed)
+        config.write_text("\n".join(lines), encoding="utf-8")
         gcode.unlink(missing_ok=True)
-        command = [
-            self.program,
-            "--export-gcode",
-            f"--layer-height={MM * o.layer_height:g}",
-            f"--perimeters={o.perimeters}",
-            f"--fill-density={100 * o.infill:g}%",
-            # Its default pattern, made for sparse filling, is refused if all is filled.
-            f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
-            f"--infill-overlap={SOLID_OVERLAP if o.infill == 1 else USUAL_OVERLAP}%",
-            f"--filament-diameter={_FILAMENT:g}",
-            f"--nozzle-diameter={MM * printer.nozzle:g}",
-            f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
-            f"--max-print-height={height:g}",
-            # A skirt is not part of the print.
-            "--skirts=0",
-            f"--output={gcode}",
-            str(path),
-        ]
+        command = [self.program, "--export-gcode", f"--load={config}", f"--output={gcode}", str(path)]
         said = run_program(command, folder, o.timeout)
         text = gcode.read_text(encoding="utf-8", errors="replace") if gcode.is_file() else ""
         used = re.search(r"^; filament used \[mm\] = ([\d.]+)", text, re.MULTILINE)

@@ -80,7 +80,9 @@ class _Package:
 
         root = self._root()
         model = self._model(root)
-        found = []
+        found, unit = [], model.get("unit", "millimeter")
+        if unit not in _UNITS:
+            raise ValueError(f"is in the unit '{unit}', which 3MF does not have")
         for item in model.iterfind("{*}build/{*}item"):
             identifier = item.attrib["objectid"]
             path = _path_of(item, root)
@@ -90,7 +92,7 @@ class _Package:
             named = item.get("partnumber") or self._object(path, identifier).get("name")
             name = named or f"object {identifier}"
             vertices, triangles = append_faces([p.vertices for p in pieces], [p.triangles for p in pieces])
-            whole = Mesh(vertices * self._unit(model), triangles.astype(np.int64), name)
+            whole = Mesh(vertices * _UNITS[unit], triangles.astype(np.int64), name)
             found.append(whole.merge_vertices())
         return tuple(found)
 
@@ -143,13 +145,6 @@ class _Package:
         # A tree of elements takes a hundred times the memory of the shortest text of one.
         check_counts(0, content.count(b"<") // 2)
         return content
-
-    @staticmethod
-    def _unit(model: ElementTree.Element) -> float:
-        unit = model.get("unit", "millimeter")
-        if unit not in _UNITS:
-            raise ValueError(f"is in the unit '{unit}', which 3MF does not have")
-        return _UNITS[unit]
 
 
 def _read_mesh(mesh: ElementTree.Element, identifier: str) -> Mesh:

@@ -125,10 +125,39 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
     core = f"{what} {2 * MM * body.core.radius:g} mm, {1000 * body.core.mass:.2f}{_NBSP}g"
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
-    printed = weigh_kit(job.agent, kit, options)
+    printed, filament = weigh_kit(job.agent, kit, options), name_filament(body.hull_density)
+    putty = [MassElement.of_putty(pocket) for pocket in body.pockets]
     bought = [("core", body.core.mass), *((f"ball {ball.mark}", ball.mass) for ball in balls)]
-    bought += [("putty", sum(putty.mass for putty in map(MassElement.of_putty, body.pockets)))] if body.pockets else []
-    (_, remedy), *texts = _write_texts(job, options, format, kit, parts, balls, core)
+    bought += [("putty", sum(element.mass for element in putty))] if putty else []
+    seals = {joint: seal for joint in kit.joints if (seal := find_seal(kit.hull, joint))}
+    # Keys and paragraphs: the remedy, what to get, and the steps in an order that can be done.
+    lines = fill_template(
+        "steps.txt",
+        nbsp=_NBSP,
+        negligible=_NEGLIGIBLE,
+        stretch=STRETCH,
+        body=body,
+        target=target,
+        options=options,
+        kit=kit,
+        parts=parts,
+        by_place=sorted(parts, key=lambda part: part.place),
+        balls=balls,
+        core=core,
+        putty=putty,
+        aft=MM * float(body.outer[0, 0]),
+        printed=printed,
+        material=name_material(options.ballast_density),
+        filament=filament,
+        note=MATERIALS[printed_of].note if (printed_of := find_material(body.hull_density)) else "",
+        seals=seals,
+        rings=Counter(replace(seal, groove_mm=round(seal.groove_mm, 1)) for seal in seals.values()),
+        readings={c: find_reading(job.agent, job.scenario.fluid, c) for c in (5.0, 10.0, 15.0, 20.0, 25.0)},
+        title=job.name,
+        opened=job.opened_as,
+        arguments=f"{job.opened_as} {list_arguments([format], options)}",
+    )
+    (_, remedy), *texts = [(key, text) for key, _, text in (line.partition("|") for line in lines)]
     get, strength = "get ", describe_strength(body, job.scenario.fluid)
     hulls = [] if strength is None else [strength]
     return Sheet(
@@ -156,7 +185,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
             ("perimeters", f"{options.perimeters}"),
             ("infill", f"{100 * options.infill:g} %"),
             ("nozzle", f"{MM * options.nozzle:g} mm"),
-            ("filament", name_filament(body.hull_density)),
+            ("filament", filament),
             ("clearance of joints", f"{MM * options.clearance:g} mm"),
             *((d.name, f"{1000 * body.hull_density * d.moments.volume:.2f} g") for d in body.fittings.details),
             *(("withstands", f"{hull['pressure'] / 1e5:.3g} bar ({hull['part']})") for hull in hulls),
@@ -190,44 +219,3 @@ def name_filament(density: float) -> str:
     """Return the name of a hull's material by its density (kg/m3): ``ABS, 1.05 g/cm³``, or the density of others."""
     name = find_material(density)
     return f"{name + ', ' if name else ''}{density / 1000:.4g}{_NBSP}g/cm³"
-
-
-def _write_texts(
-    job: ExportJob,
-    options: PartOptions,
-    format: str,
-    kit: Kit,
-    parts: tuple[SheetPart, ...],
-    balls: tuple[SheetBall, ...],
-    core: str,
-) -> list[tuple[str, str]]:
-    """Keys and paragraphs of the sheet: the remedy, what to get, and the steps in an order that can be done."""
-    body = job.agent.body
-    seals = {joint: seal for joint in kit.joints if (seal := find_seal(kit.hull, joint))}
-    lines = fill_template(
-        "steps.txt",
-        nbsp=_NBSP,
-        negligible=_NEGLIGIBLE,
-        stretch=STRETCH,
-        body=body,
-        target=job.agent.mass,
-        options=options,
-        kit=kit,
-        parts=parts,
-        by_place=sorted(parts, key=lambda part: part.place),
-        balls=balls,
-        core=core,
-        putty=[MassElement.of_putty(pocket) for pocket in body.pockets],
-        aft=MM * float(body.outer[0, 0]),
-        printed=weigh_kit(job.agent, kit, options),
-        material=name_material(options.ballast_density),
-        filament=name_filament(body.hull_density),
-        note=MATERIALS[name].note if (name := find_material(body.hull_density)) else "",
-        seals=seals,
-        rings=Counter(replace(seal, groove_mm=round(seal.groove_mm, 1)) for seal in seals.values()),
-        readings={c: find_reading(job.agent, job.scenario.fluid, c) for c in (5.0, 10.0, 15.0, 20.0, 25.0)},
-        title=job.name,
-        opened=job.opened_as,
-        arguments=f"{job.opened_as} {list_arguments([format], options)}",
-    )
-    return [(key, text) for key, _, text in (line.partition("|") for line in lines)]

@@ -72,17 +72,15 @@ class Gap:
     """How far two paths are apart, and the step of the one.
 
     Attributes:
-        name: of the program.
+        reader: the program.
         step: that was given or chosen, s.
         distances: at those of :data:`TIMES` to which driftform's flight lasts, m; not finite where the program's path
             diverges.
-        is_checked: whether the program itself was found to fly so.
     """
 
-    name: str
+    reader: Reader
     step: float
     distances: dict[float, float]
-    is_checked: bool = False
 
     def describe(self) -> str:
         """Describe in a sentence how far the paths are apart."""
@@ -132,7 +130,7 @@ def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None =
 
     def make_gap(length: float, path: FloatArray) -> Gap:
         apart = np.linalg.norm(path - own[index], axis=1).tolist()
-        return Gap(reader.name, length, dict(zip(times, apart, strict=True)), reader.is_checked)
+        return Gap(reader, length, dict(zip(times, apart, strict=True)))
 
     if step is not None:
         return make_gap(step, fly(step))
