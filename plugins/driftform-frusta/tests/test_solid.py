@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.csg import Difference, Extrude, Intersection, Named, Revolve, Rotate, Translate, Union
+from driftform_frusta.csg import Difference, Extrude, Intersection, Revolve, Rotate, Translate, Union
 from driftform_frusta.hull import build_hull
-from driftform_frusta.scad import write_definitions, write_module
+from driftform_frusta.scad import fill_source, write_module
 from driftform_frusta.solid import to_manifold, to_solid
 
 SEGMENTS = [3, 12, 13, 64, 1024]
@@ -26,7 +26,7 @@ FIN = Extrude(((0, 0), (9, 0), (9, 4), (2, 4)), (((4, 1), (4, 2), (6, 1)),), 2.0
 BRACKET = Union(
     (
         Translate((15, -2, 2), Rotate((90, 0, 0), FIN)),
-        Named("plate\nwith a hole", Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),))),
+        Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),)),
         Translate((0, 0, 20), BALL),
         Translate((5, 5, 4), Rotate((20, -35, 50), frustum(30, 3, 0))),
         Translate((15, 5, 4), Intersection((frustum(10, 4, 4), BALL))),
@@ -36,8 +36,7 @@ BRACKET = Union(
 
 
 def print_source(tree, segments=64):
-    module = write_module("tree", tree)
-    return f"{write_definitions(module, segments)}{module}tree();\n"
+    return f"{fill_source('definitions', segments=segments)}{write_module('tree', tree)}tree();\n"
 
 
 def frustum_volume(height, r0, r1):
@@ -91,11 +90,6 @@ def test_a_tree_without_a_solid_is_refused(nothing):
         to_solid(nothing)
 
 
-def test_source_says_only_what_a_tree_needs():
-    assert "sector_factor" not in print_source(frustum(1, 1, 1))
-    assert "area_factor" not in print_source(FIN)
-
-
 def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
     source = print_source(build_hull(body))
     assert source.count("polygon([") == 1 + (len(body.cavity) > 0)
@@ -105,11 +99,6 @@ def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
     assert not re.search(r"\.\d{7}", source)
     assert not re.search(r"\de[-+]?\d|nan|inf", source)
     assert max(map(len, source.splitlines())) <= 110
-
-
-def test_a_label_cannot_leave_its_comment():
-    lines = print_source(Named("one\n*/ cube(9); //\r\ntwo", BALL)).splitlines()
-    assert "    // one */ cube(9); // two" in lines
 
 
 @pytest.mark.parametrize("segments", [24, 64])

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from prints import chain_body, job_of
 
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
@@ -99,7 +100,9 @@ def test_the_section_is_one_half_of_the_hull(render):
 
 def test_a_body_of_another_making_is_written_as_its_contours(body, render):
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
-    mesh = render(write_source(ExportJob("stranger", agent, Scenario()), make_parts(body, PartOptions()), 64))
+    mesh = render(
+        write_source(ExportJob("stranger", agent, Scenario()), make_parts(body, PartOptions()), PartOptions())
+    )
     assert mesh.volume == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
     assert mesh.bounds[0, 2] == pytest.approx(0, abs=1e-3)
 
@@ -119,8 +122,9 @@ def test_a_title_cannot_leave_its_comment():
 
 
 def kit_source(agent, **options):
-    parts = make_parts(agent.body, PartOptions(kit=True, segments=16, **options))
-    return parts, write_source(ExportJob("TP1", agent, Scenario()), parts, 16)
+    made = PartOptions(kit=True, segments=16, **options)
+    parts = make_parts(agent.body, made)
+    return parts, write_source(ExportJob("TP1", agent, Scenario()), parts, made)
 
 
 def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):
@@ -131,6 +135,31 @@ def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):
         mesh = render(source.replace('part = "all";', f'part = "{part.name}";'))
         assert mesh.volume == pytest.approx(part.solid.volume, rel=1e-4)
         assert np.allclose(mesh.bounds.ravel(), part.on_bed().bounds.ravel(), atol=2e-3)
+
+
+@pytest.mark.parametrize("options", [{}, {"o_ring": 0.00178}, {"joint": "bayonet"}], ids=["glue", "O-ring", "bayonet"])
+@pytest.mark.parametrize("clearance", [0.1, 0.3])
+def test_another_clearance_in_the_source_is_our_own_kit_of_that_clearance(options, clearance, render):
+    body = chain_body("nn", "uus")
+    made = PartOptions(kit=True, segments=96, **options)
+    source = write_source(job_of(body), make_parts(body, made), made)
+    edited = source.replace("clearance = 0.2;", f"clearance = {clearance};")
+    assert edited != source
+    parts = make_parts(body, made.model_copy(update={"clearance": clearance / 1e3}))
+    volume = sum(part.solid.volume for part in parts)
+    assert render(edited).volume == pytest.approx(volume, rel=1e-4)
+    assert abs(render(source).volume - volume) > 1e-3 * volume
+
+
+def test_a_thicker_wall_and_sleeve_in_the_source_add_material_inside(render):
+    body, made = chain_body("nn", "uus"), PartOptions(kit=True, segments=16)
+    source = write_source(job_of(body), make_parts(body, made), made)
+    plain = render(source.replace("assembled = false;", "assembled = true;"))
+    for old, new in (("\nwall = 1.25;", "\nwall = 1.45;"), ("\nsleeve = 1.2;", "\nsleeve = 1.5;")):
+        assert old in source
+        edited = render(source.replace("assembled = false;", "assembled = true;").replace(old, new))
+        assert edited.volume > 1.001 * plain.volume and edited.is_watertight
+        assert np.allclose(edited.bounds, plain.bounds, atol=2e-3)
 
 
 def test_the_preview_of_a_kit_is_cut_open_on_the_side_of_the_default_view(render):

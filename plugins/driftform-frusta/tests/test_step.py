@@ -11,7 +11,7 @@ from prints import job_of
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.brep import to_brep, volume_of
-from driftform_frusta.csg import Difference, Extrude, Intersection, Named, Revolve, Translate, Union
+from driftform_frusta.csg import Difference, Extrude, Intersection, Revolve, Translate, Union
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
@@ -100,7 +100,7 @@ CAN, VOLUME = frustum(4, 3, 3), 36 * math.pi
         (frustum(7, 0, 5), math.pi * 7 * 25 / 3),
         (Revolve(((5, 0), (9, 0), (9, 6), (5, 6)), (((6, 1), (8, 1), (8, 3), (6, 3)),)), 280 * math.pi),
         (Revolve(((-3, 0), (5, 0), (5, 7), (-4, 7))), math.pi * 25 * 7),
-        (Named("a can", Translate((9, 9, 9), CAN)), VOLUME),
+        (Translate((9, 9, 9), CAN), VOLUME),
         (Difference(CAN, (Translate((0, 0, -1), frustum(9, 2, 2)),)), 20 * math.pi),
         (Intersection((CAN, Translate((0, 0, 2), CAN))), VOLUME / 2),
         (Union((CAN, Translate((0, 0, 10), CAN))), 2 * VOLUME),

@@ -113,7 +113,7 @@ def test_openscad_shows_the_capsule(kit, tmp_path):
     body = build("blunt", "zigzag")
     ScadExporter(PartOptions(kit=kit)).write(job_of(body), tmp_path / "agent.scad")
     source = (tmp_path / "agent.scad").read_text()
-    assert "rotate_extrude() polygon([[0, " in source and "sphere(core_radius)" not in source
+    assert "core_outline = [[0, " in source
 
 
 @pytest.mark.peers

@@ -21,15 +21,6 @@ def hull_mass(body: Body) -> float:
     return hull_moments(body).volume * body.hull_density
 
 
-def displaced_moments(body: Body) -> Moments:
-    """Return the volume integrals of what a body displaces: its outer contour less the water in its trim pockets, without details."""
-    displaced = solid_of_revolution(body.outer)
-    for pocket in body.pockets:
-        water = solid_of_revolution(pocket.contour()) - solid_of_revolution(pocket.contour(pocket.filled))
-        displaced = displaced - water
-    return displaced
-
-
 def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
@@ -41,7 +32,11 @@ def mass_properties(body: Body) -> MassProperties:
     if body.fittings.details:
         bare = replace(body, fittings=replace(body.fittings, details=()))
         return _add_details(mass_properties(bare), body.fittings.details, body.hull_density)
-    hull, displaced = hull_moments(body), displaced_moments(body)
+    hull, displaced = hull_moments(body), solid_of_revolution(body.outer)
+    for pocket in body.pockets:
+        displaced = displaced - (
+            solid_of_revolution(pocket.contour()) - solid_of_revolution(pocket.contour(pocket.filled))
+        )
     core, (core_axial, core_transverse) = body.core, body.core.inertia
     ballast, density = body.ballast, body.ballast_density
     putty = [(solid_of_revolution(pocket.contour(pocket.filled)), pocket.density) for pocket in body.pockets]

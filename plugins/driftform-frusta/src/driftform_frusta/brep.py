@@ -70,8 +70,6 @@ def _interpret(node: Node) -> Any:
             shape = _combine("Common", [_interpret(child) for child in node.children])
         case csg.Translate() | csg.Rotate():
             shape = _move(node)
-        case csg.Named():
-            shape = _interpret(node.child)
         case _:
             assert_never(node)
     return shape

@@ -83,13 +83,5 @@ class Rotate:
     child: "Node"
 
 
-@dataclass(frozen=True)
-class Named:
-    """The child, with a comment in printed source; the label has no effect on the solid."""
-
-    label: str
-    child: "Node"
-
-
-Node: TypeAlias = Revolve | Extrude | Union | Difference | Intersection | Translate | Rotate | Named
+Node: TypeAlias = Revolve | Extrude | Union | Difference | Intersection | Translate | Rotate
 """Any solid."""

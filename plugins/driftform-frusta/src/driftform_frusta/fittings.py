@@ -11,7 +11,7 @@ from manifold3d import CrossSection, Manifold
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitting
 from driftform.types import Body, Detail, FloatArray
-from driftform_frusta.csg import MM, Difference, Named, Node, Revolve, Translate, Union
+from driftform_frusta.csg import MM, Difference, Node, Revolve, Translate, Union
 from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import half_section, integrate_solid, split_at_axis, to_manifold
 
@@ -51,8 +51,8 @@ def fit_hull(body: Body, fittings: Sequence[Fitting[Any]]) -> Body:
 def add_details(tree: Node, details: Iterable[Detail]) -> Node:
     """Return the tree of a hull, or of a part of it, with details; mm, z from the origin of the body frame."""
     for detail in details:
-        tree = tree if detail.added is None else Union((tree, Named(detail.name, detail.added)))
-        tree = tree if detail.removed is None else Difference(tree, (Named(detail.name, detail.removed),))
+        tree = tree if detail.added is None else Union((tree, detail.added))
+        tree = tree if detail.removed is None else Difference(tree, (detail.removed,))
     return tree
 
 
@@ -63,8 +63,6 @@ def draw_section(tree: Node | None) -> CrossSection | None:
             return CrossSection()
         case Revolve(angle_deg=360.0):
             return CrossSection([ring.tolist() for ring in half_section(tree)])
-        case Named():
-            return draw_section(tree.child)
         case Translate(offset=(0.0, 0.0, z)) if (section := draw_section(tree.child)) is not None:
             return section.translate((0.0, z))
     return None

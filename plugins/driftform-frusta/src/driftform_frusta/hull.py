@@ -13,7 +13,7 @@ import numpy as np
 from driftform.agent import distance_from, solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Moments
-from driftform_frusta.csg import MM, Named, Node, Point, Revolve
+from driftform_frusta.csg import MM, Node, Point, Revolve
 from driftform_frusta.solid import Solid, to_solid
 
 MM3_PER_M3 = 1e9
@@ -52,7 +52,7 @@ def build_hull(body: Body) -> Node:
     """Return the hull as its meridian section revolved: outer contour less cavity; errors as of :func:`read_contours`."""
     outer, cavity = read_contours(body)
     holes = (*((_points(cavity),) if len(cavity) else ()), *map(_points, list_pockets(body)))
-    return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
+    return Revolve(_points(outer), holes)
 
 
 def list_pockets(body: Body) -> list[FloatArray]:

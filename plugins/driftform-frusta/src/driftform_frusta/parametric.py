@@ -17,7 +17,7 @@ from driftform.agent import solid_of_revolution
 from driftform.types import Agent, Body, Module
 from driftform_frusta.csg import MM
 from driftform_frusta.hull import hull_volume
-from driftform_frusta.scad import fill_source, format_number, write_definitions
+from driftform_frusta.scad import fill_source, format_number
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
@@ -62,21 +62,14 @@ def hull_source(agent: Agent, segments: int, title: str) -> str | None:
         "modules",
         title=" ".join(title.split()),
         summary=f"{count} and a dome over the core, {size}",
-        definitions=write_definitions("area_factor", segments),
+        definitions=fill_source("definitions", segments=segments),
         wall=format_number(MM * body.wall),
         clearance=format_number(clearance),
         core=format_number(MM * body.core.radius),
         rows=table,
         aft=aft,
         step=format_number(math.degrees(DOME_STEP)),
-        shape=draw_core(body),
     )
-
-
-def draw_core(body: Body) -> str:
-    """Return the statement that draws the core about the origin."""
-    points = ", ".join(f"[{format_number(MM * r)}, {format_number(MM * z)}]" for z, r in body.core.contour)
-    return f"rotate_extrude() polygon([{points}]);" if points else "sphere(core_radius);"
 
 
 def _radius_at(body: Body, x: float) -> float:

@@ -5,7 +5,7 @@ the same factors, which are written as formulas of ``$fn``, so that a reader may
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from typing import assert_never
 
@@ -18,28 +18,11 @@ _POINTS_PER_LINE = 3
 _CONVEXITY = 10
 """How many walls of a body of revolution a ray passes at most, as OpenSCAD's preview needs to know."""
 
-_AREA_FACTOR = """\
-// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.
-area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));
-"""
-
-_SECTOR = """\
-// Of a part of a turn: how many corners a whole turn would have, and the factor on radii that gives it its area.
-function sector_steps(angle) = 360 / angle * max(3, round($fn * angle / 360));
-function sector_factor(angle) = let (step = 360 / sector_steps(angle)) sqrt(step * PI / 180 / sin(step));
-"""
-
 
 def fill_source(name: str, **values: object) -> str:
     """Return OpenSCAD source from the package's files, with a value in place of each name in angle brackets."""
     text = files("driftform_frusta").joinpath("openscad", f"{name}.scad.in").read_text(encoding="utf-8")
     return re.sub(r"<(\w+)>", lambda found: str(values[found[1]]), text)
-
-
-def write_definitions(source: str, segments: int) -> str:
-    """Return the definitions that source of :func:`write_module` uses: the number of corners, and factors on radii."""
-    used = [text for call, text in (("area_factor", _AREA_FACTOR), ("sector_", _SECTOR)) if call in source]
-    return "\n".join([f"$fn = {segments};\n", *used])
 
 
 def write_module(name: str, node: Node) -> str:
@@ -63,16 +46,14 @@ def _lines(node: Node) -> list[str]:
             lines = _put_above(f"translate({_vector(node.offset)})", _lines(node.child))
         case csg.Rotate():
             lines = _put_above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
-        case csg.Named():
-            # A line break in a label would end the comment.
-            lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
         case _:
             assert_never(node)
     return lines
 
 
 def _section(node: csg.Revolve | csg.Extrude) -> list[str]:
-    outline, *holes = map(_polygon, (node.outline, *node.holes))
+    lines = (write_points(points).splitlines() for points in (node.outline, *node.holes))
+    outline, *holes = (["polygon([", *points, "]);"] for points in lines)
     return _block("difference()", [outline, *holes]) if holes else outline
 
 
@@ -95,13 +76,11 @@ def _revolve(node: csg.Revolve) -> list[str]:
     return _put_above(head, _put_above(f"scale([sector_factor({angle}), 1])", section))
 
 
-def _polygon(points: Sequence[csg.Point]) -> list[str]:
-    return ["polygon([", *_rows([_vector(point) for point in points]), "]);"]
-
-
-def _rows(texts: Sequence[str]) -> Iterator[str]:
-    for i in range(0, len(texts), _POINTS_PER_LINE):
-        yield _INDENT + ", ".join(texts[i : i + _POINTS_PER_LINE]) + ","
+def write_points(points: Iterable[Sequence[float]]) -> str:
+    """Return points as lines of a list, some on each."""
+    texts = list(map(_vector, points))
+    rows = (texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE))
+    return "\n".join(f"{_INDENT}{', '.join(row)}," for row in rows)
 
 
 def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:

@@ -85,8 +85,6 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
     Raises WorkFailedError if the tree has no solid: the result is empty, inside out, or not manifold.
     """
     match node:
-        case csg.Named():
-            return to_solid(node.child, segments)
         case csg.Translate():
             return to_solid(node.child, segments).translate(node.offset)
         case csg.Revolve(angle_deg=360.0):
@@ -125,8 +123,6 @@ def _interpret(node: Node, segments: int) -> Manifold:
             solid = _interpret(node.child, segments).translate(node.offset)
         case csg.Rotate():
             solid = _interpret(node.child, segments).rotate(node.angles_deg)
-        case csg.Named():
-            solid = _interpret(node.child, segments)
         case _:
             assert_never(node)
     return solid

@@ -5,7 +5,7 @@ from manifold3d import Manifold, OpType
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Body
-from driftform_frusta.csg import MM, Named, Revolve, Translate
+from driftform_frusta.csg import MM, Revolve, Translate
 from driftform_frusta.fittings import add_details
 from driftform_frusta.hull import refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
@@ -16,8 +16,9 @@ from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
 from driftform_kit.cutting.pieces import Piece, make_kit
 from driftform_kit.kit import list_facts
+from driftform_kit.source import write_kit
 
-__all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast"]
+__all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast", "write_kit"]
 
 
 _MEETS = 1e-4
@@ -48,10 +49,8 @@ def _make_part(piece: Piece, lift: float, options: PartOptions) -> Part:
         solid = to_solid(tree, options.segments)
     if solid.pieces != 1:
         raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
-    label = f"{piece.name}, as joined; fore end up"
-    return Part(
-        piece.name, Named(label, Translate((0.0, 0.0, lift), tree)), solid.translate((0.0, 0.0, lift)), piece.fore_down
-    )
+    at = (0.0, 0.0, lift)
+    return Part(piece.name, Translate(at, tree), solid.translate(at), piece.fore_down)
 
 
 def draw_sheet(job: ExportJob, options: PartOptions, name: str) -> tuple[str, ...]:

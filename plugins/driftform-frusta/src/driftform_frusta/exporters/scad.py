@@ -9,10 +9,11 @@ from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
 from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
-from driftform_frusta.parametric import draw_core, hull_source
-from driftform_frusta.parts import Part
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.parametric import hull_source
+from driftform_frusta.parts import Part, find_maker
 from driftform_frusta.plate import GAP
-from driftform_frusta.scad import fill_source, write_definitions, write_module
+from driftform_frusta.scad import fill_source, write_module, write_points
 
 
 class ScadExporter(PartExporter):
@@ -23,40 +24,47 @@ class ScadExporter(PartExporter):
 
     def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the source; its facts are those of what it renders to."""
-        source = write_source(job, parts, self.options.segments)
+        source = write_source(job, parts, self.options)
         yield path, source, list_facts(parts, job.agent.body)
 
 
-def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
+def write_source(job: ExportJob, parts: Sequence[Part], options: PartOptions) -> str:
     """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
     body = job.agent.body
-    whole = [part.name for part in parts] == ["hull"]
-    if whole and not body.fittings.details and (edited := hull_source(job.agent, segments, job.name)):
+    whole, kit = [part.name for part in parts] == ["hull"], options.kit and not options.coupon
+    if whole and not body.fittings.details and (edited := hull_source(job.agent, options.segments, job.name)):
         return edited
     modules = {part.name: part.name.replace(" ", "_") for part in parts}
+    parameters = source = ""
+    if kit:
+        ends = parts[0].solid.bounds[0, 2], parts[-1].solid.bounds[1, 2]
+        parameters, source = find_maker().write_kit(body, options, *map(float, ends))
+        source += "\n".join(f"module {module}() made({index});" for index, module in enumerate(modules.values())) + "\n"
+    else:
+        source = "\n".join(write_module(modules[part.name], part.tree) for part in parts)
     rows = []
     x = 0.0
     for index, part in enumerate(parts):
         low, high = part.solid.bounds
         radius = max(abs(low[0]), abs(high[0]))
         x += radius
+        ends = (f"lower_end({index})", f"upper_end({index}) - lower_end({index})")
+        lies = ends if kit else (f"{low[2]:.6f}", f"{high[2] - low[2]:.6f}")
         turned = str(part.fore_down).lower()
-        rows.append(
-            f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}, "{colour_of(index)}"],'
-        )
+        rows.append(f'    ["{part.name}", {", ".join(lies)}, {turned}, {x:.3f}, "{colour_of(index)}"],')
         x += radius + GAP
-    source = "\n".join(write_module(modules[part.name], part.tree) for part in parts)
     return fill_source(
         "kit",
         title=" ".join(job.name.split()),
         summary="its section, revolved" if whole else f"a kit of {len(parts)} parts",
         names=", ".join(modules),
-        definitions=write_definitions(source, segments),
+        parameters=parameters,
+        definitions=fill_source("definitions", segments=options.segments),
         modules=source,
         choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
         table="\n".join(rows),
         core=f"{MM * body.core.radius:.6g}",
-        shape=draw_core(body),
+        core_outline=write_points([(MM * r, MM * z) for z, r in body.core.contour]).strip(),
         height=f"{-MM * float(body.outer[0, 0]):.6f}",
         core_colour=style.ORANGE,
         gap=f"{GAP:g}",

@@ -68,7 +68,7 @@ class ThreeMfExporter(PartExporter):
         """Yield the plates; facts: those of parts, the number of ``triangles``, and whether all parts of a plate ``fits_bed``."""
         placed = self.place_parts(parts)
         plates = 1 + max(p.plate for p in placed)
-        attachments = {"agent.scad": write_source(job, parts, self.options.segments)}
+        attachments = {"agent.scad": write_source(job, parts, self.options)}
         if self.options.coupon:
             attachments = {}
         elif job.document:

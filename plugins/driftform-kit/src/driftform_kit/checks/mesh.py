@@ -16,7 +16,7 @@ from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, Topology, analyse_topology, find_shells, orient_outward
 from driftform_kit.checks.slenderness import ADHESION, BRIMS, PUSH, find_brim, measure_slenderness
-from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
+from driftform_kit.checks.walls import REACH, find_thinnest_wall
 from driftform_kit.reading import read_meshes
 
 _MIN_SIZE, _MAX_SIZE = 5.0, 10_000.0
@@ -333,21 +333,17 @@ def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
     if not all(one.shells for one in studied):
         return State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure"
     nozzle = MM * job.printer.nozzle
-    thin: Wall | None = None
-    where = ""
-    for one in studied:
-        wall = find_thinnest_wall(one.outward)
-        if wall is not None and (thin is None or wall.thickness < thin.thickness):
-            thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
-    if thin is None:
+    found = [(wall, one.part.name) for one in studied if (wall := find_thinnest_wall(one.outward)) is not None]
+    if not found:
         return State.PASS, f"no wall thinner than {REACH:g} mm"
-    x, y, z = thin.where
-    message = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
-    if thin.thickness < nozzle:
+    (thin, (x, y, z)), name = min(found)
+    where = f"{name}, " if len(studied) > 1 else ""
+    message = f"{thin:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
+    if thin < nozzle:
         return State.FAIL, f"{message}: less than the nozzle's {nozzle:g} mm"
-    if thin.thickness < _LINES * nozzle:
+    if thin < _LINES * nozzle:
         return State.WARN, f"{message}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak"
-    return State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm"
+    return State.PASS, f"{message}: {thin / nozzle:.1f} lines of {nozzle:g} mm"
 
 
 def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Verdict:

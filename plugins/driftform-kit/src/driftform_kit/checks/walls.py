@@ -1,7 +1,5 @@
 """Wall thickness of a part: rays from its surface through its material to the other side."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from manifold3d import Error
 
@@ -20,16 +18,8 @@ _STATIONS = np.array(
 )
 
 
-@dataclass(frozen=True)
-class Wall:
-    """The thinnest wall of a part: ``thickness`` in mm and its place, a point of the surface, mm."""
-
-    thickness: float
-    where: tuple[float, float, float]
-
-
-def find_thinnest_wall(mesh: Mesh) -> Wall | None:
-    """Return the thinnest wall of a solid, ``None`` if it is thicker than :data:`REACH` or has no inside.
+def find_thinnest_wall(mesh: Mesh) -> tuple[float, list[float]] | None:
+    """Return the thickness of the thinnest wall of a solid, and a point of its surface there, mm; ``None`` if it is thicker than :data:`REACH` or has no inside.
 
     From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only
     where it comes out through a surface that faces the other way within 30 degrees is there a wall between the two:
@@ -50,8 +40,8 @@ def find_thinnest_wall(mesh: Mesh) -> Wall | None:
     starts = np.einsum("sk,mkc->smc", _STATIONS, corners) - gap * normals
     rays = np.stack(np.broadcast_arrays(starts, starts - REACH * normals, normals), axis=2)
     walls = [
-        Wall(hits[0].distance * REACH + gap, tuple(start))
+        (hits[0].distance * REACH + gap, start)
         for start, end, normal in np.swapaxes(rays, 0, 1).reshape(-1, 3, 3).tolist()
         if (hits := solid.ray_cast(start, end)) and np.dot(hits[0].normal, normal) <= -_OPPOSITE
     ]
-    return min(walls, key=lambda wall: wall.thickness, default=None)
+    return min(walls, default=None)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from manifold3d import CrossSection
 
 from driftform.agent import distance_from
@@ -64,10 +63,6 @@ class Ball:
         """Return z of the axis point from which a ray at a latitude (rad) on one side meets its surface squarely."""
         return self.z
 
-    def may_touch(self, parts: Sequence[CrossSection], heights: FloatArray) -> npt.NDArray[np.bool_]:
-        """Return whether it may touch parts if its place is at some heights: where not, no edge is within it."""
-        return np.asarray(distance_along(parts, heights) <= meridian.circumradius(self.radius))
-
 
 @dataclass(frozen=True)
 class Capsule(Ball):
@@ -91,10 +86,6 @@ class Capsule(Ball):
         first = int(np.argmax(r * math.cos(latitude) + side * z * math.sin(latitude)))
         return float(z[first] - side * r[first] * math.tan(latitude))
 
-    def may_touch(self, parts: Sequence[CrossSection], heights: FloatArray) -> npt.NDArray[np.bool_]:
-        """Return True: each place is looked at."""
-        return np.ones_like(heights, dtype=bool)
-
 
 def core_ball(hull: Hull) -> Ball:
     """Return the core of a hull."""
@@ -103,10 +94,18 @@ def core_ball(hull: Hull) -> Ball:
 
 @dataclass(frozen=True, eq=False)
 class Seat:
-    """A seat's section, and the index of the part that carries it."""
+    """A seat's section, the index of the part that carries it, and the strip between wall and ball that it is cut from.
+
+    The strip leaves the axis at the height ``foot`` at a latitude of ``angle_deg``, 90 degrees for a tube, and ends beyond the wall,
+    after ``reach`` mm.
+    """
 
     section: CrossSection
     part: int
+    ball: Ball
+    foot: float
+    angle_deg: float
+    reach: float
 
 
 def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) -> bool:
@@ -127,9 +126,7 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     if not meets(0.0, play):
         return False
-    places = np.linspace(0.0, play, _STEPS)
-    touched = ball.may_touch(near, ball.z + side * places)
-    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
+    rest = next((along for along in np.linspace(0.0, play, _STEPS).tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
@@ -157,44 +154,43 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
             continue
         part = shells[0 if side < 0 else 1]
         taken = meridian.unite(p for i, p in enumerate(parts) if i != part)
-        section = draw_seat(hull, core, parts[part], taken, side, gap)
-        if section is None:
+        seat = draw_seat(hull, core, parts, part, taken, side, gap)
+        if seat is None:
             raise WorkFailedError(
                 f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
                 "no room beside the joint; set joint to 'rabbet', or lap to less"
             )
-        found.append(Seat(section, part))
+        found.append(seat)
     return found
 
 
 def draw_seat(
-    hull: Hull, ball: Ball, part: CrossSection, taken: CrossSection, side: int, gap: float
-) -> CrossSection | None:
-    """Return the section of a cone on one side of a ball that merges with a part and is clear of what is taken; ``None`` without room."""
-    far = 2 * float(np.abs(hull.skin).max())
-    for latitude in np.radians(_LATITUDES_DEG).tolist():
+    hull: Hull, ball: Ball, parts: Sequence[CrossSection], part: int, taken: CrossSection, side: int, gap: float
+) -> Seat | None:
+    """Return a cone on one side of a ball that merges with a part and is clear of what is taken; ``None`` without room."""
+    for latitude in _LATITUDES_DEG:
         # A strip about the ray at that latitude, for a ball from its centre.
-        along = np.array([math.cos(latitude), side * math.sin(latitude)])
+        angle = math.radians(latitude)
+        along = np.array([math.cos(angle), side * math.sin(angle)])
         across = np.array([-along[1], along[0]]) * SEAT / 2
-        strip = np.array([-across, far * along - across, far * along + across, across])
-        section = _cut_nearest(hull, ball, strip, gap, ball.find_foot(latitude, side))
-        if _fits(section, part, taken, gap):
-            return section
+        foot = ball.find_foot(angle, side)
+        section, reach = _cut_nearest(hull, ball, (-across, across), along, gap, foot)
+        if _fits(section, parts[part], taken, gap):
+            return Seat(section, part, ball, foot, side * latitude, reach)
     return None
 
 
 def draw_tube(
-    hull: Hull, ball: Ball, part: CrossSection, taken: CrossSection, side: int, gap: float
-) -> CrossSection | None:
-    """Return the section of a tube along the axis, from the wall to one side of a ball, as :func:`draw_seat`.
+    hull: Hull, ball: Ball, parts: Sequence[CrossSection], part: int, taken: CrossSection, side: int, gap: float
+) -> Seat | None:
+    """Return a tube along the axis, from the wall to one side of a ball, as :func:`draw_seat`.
 
     In a wide bore, near its end, it is lighter than a cone. The ball lies in its mouth, at a latitude of 45 degrees.
     """
     inner = max(math.sqrt(0.5) * (ball.radius + gap), MIN_TUBE)
-    far = 2 * float(np.abs(hull.skin).max())
-    corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])
-    section = _cut_nearest(hull, ball, corners, gap, ball.z)
-    return section if _fits(section, part, taken, gap) else None
+    walls = np.array([inner, 0.0]), np.array([inner + SEAT, 0.0])
+    section, reach = _cut_nearest(hull, ball, walls, np.array([0.0, side]), gap, ball.z)
+    return Seat(section, part, ball, ball.z, 90.0 * side, reach) if _fits(section, parts[part], taken, gap) else None
 
 
 def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
@@ -202,15 +198,20 @@ def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: f
     return bool(held and (meridian.grow(section, gap) ^ taken).area() < AREA)
 
 
-def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float, foot: float) -> CrossSection:
-    """The piece of a strip, given from a point of the axis, its foot, between a ball and the nearest wall."""
-    strip = meridian.make_polygons([corners + np.array([0.0, foot])])
+def _cut_nearest(
+    hull: Hull, ball: Ball, corners: tuple[FloatArray, FloatArray], along: FloatArray, gap: float, foot: float
+) -> tuple[CrossSection, float]:
+    """The piece of a strip, given from a point of the axis, its foot, between a ball and the nearest wall; and where it ends."""
+    far, (near, other) = 2 * float(np.abs(hull.skin).max()), corners
+    strip = meridian.make_polygons(
+        [np.array([near, far * along + near, far * along + other, other]) + np.array([0.0, foot])]
+    )
     pieces = ((meridian.take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
     if not pieces:
-        return CrossSection()
-
-    def distance(section: CrossSection) -> float:
-        return min(float(np.hypot(ring[:, 0], ring[:, 1] - foot).min()) for ring in section.to_polygons())
-
-    nearest = min(pieces, key=distance)
-    return nearest + nearest.mirror((1.0, 0.0))
+        return CrossSection(), 0.0
+    points = [np.concatenate(piece.to_polygons()) - (0.0, foot) for piece in pieces]
+    nearest = min(range(len(pieces)), key=lambda index: float(np.hypot(*points[index].T).min()))
+    ends = [(float((ring @ along).min()), float((ring @ along).max())) for ring in points]
+    end = ends[nearest][1]
+    reach = min([end + SEAT, *((end + low) / 2 for low, _ in ends if low > end)])
+    return pieces[nearest] + pieces[nearest].mirror((1.0, 0.0)), reach

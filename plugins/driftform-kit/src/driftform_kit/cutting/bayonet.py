@@ -17,10 +17,10 @@ from driftform_kit.cutting.joint import LEAD, LIP, Joint
 LUG, CREST = 0.8, 1.0
 """mm: height of a lug above the bore, and length of its crest along the axis: two printed lines of the usual nozzle, and more."""
 
-_COUNT, _WIDE = 3, 30.0
+LUGS, LUG_ANGLE = 3, 30.0
 """Lugs, and degrees that one takes up."""
 
-_BEAD, _BITE = 0.5, 0.15
+BEAD, BITE = 0.5, 0.15
 """mm: radius of a bead, and by how much a lug is bent when it passes the bead: the turn clicks."""
 
 
@@ -33,8 +33,8 @@ def draw_lugs(joint: Joint, bore: float, section: CrossSection) -> Detail:
     """Return the lugs of a socket whose bore has a radius (mm), and whose half section is given."""
     # They reach into the wall, to merge with it.
     lug = _draw_flanks(joint, bore, meridian.OVERLAP, 0.0)
-    gained = _share(lug - meridian.take_right(section), _COUNT * _WIDE)
-    return Detail("lugs", _repeat(lug, 0.0, _WIDE, joint), None, gained.matrix())
+    gained = _share(lug - meridian.take_right(section), LUGS * LUG_ANGLE)
+    return Detail("lugs", _repeat(lug, 0.0, LUG_ANGLE, joint), None, gained.matrix())
 
 
 def cut_tracks(joint: Joint, bore: float, section: CrossSection) -> tuple[Detail, Detail]:
@@ -44,24 +44,24 @@ def cut_tracks(joint: Joint, bore: float, section: CrossSection) -> tuple[Detail
     low, high = sorted((joint.z - joint.side * (_depth(joint) - CREST / 2), joint.tip - joint.side))
     slot = track + CrossSection.square((bore + 1.0 - bottom, high - low)).translate((bottom, low))
     play = math.degrees(joint.gap / bottom)
-    room = math.degrees(2 * _BEAD / bottom) + play
-    ends = -play, _WIDE + room - play, 2 * _WIDE + room + play
+    room = math.degrees(2 * BEAD / bottom) + play
+    ends = -play, LUG_ANGLE + room - play, 2 * LUG_ANGLE + room + play
     tool = Union((_repeat(track, ends[0], ends[1] + 1.0, joint), _repeat(slot, ends[1], ends[2], joint)))
-    lost = _share(track ^ plug, _COUNT * (ends[1] - ends[0])) + _share(slot ^ plug, _COUNT * (ends[2] - ends[1]))
-    return Detail("tracks", None, tool, -lost.matrix()), _place_beads(joint, bottom, _WIDE + room / 2)
+    lost = _share(track ^ plug, LUGS * (ends[1] - ends[0])) + _share(slot ^ plug, LUGS * (ends[2] - ends[1]))
+    return Detail("tracks", None, tool, -lost.matrix()), _place_beads(joint, bottom, LUG_ANGLE + room / 2)
 
 
 def _place_beads(joint: Joint, bottom: float, at: float) -> Detail:
-    top = bottom + joint.gap + _BITE
-    middle, height = top - _BEAD, CREST + 2 * joint.gap
+    top = bottom + joint.gap + BITE
+    middle, height = top - BEAD, CREST + 2 * joint.gap
     low = joint.z - joint.side * _depth(joint) - height / 2
-    pin = Revolve(((0.0, low), (_BEAD, low), (_BEAD, low + height), (0.0, low + height)))
+    pin = Revolve(((0.0, low), (BEAD, low), (BEAD, low + height), (0.0, low + height)))
     beads = [Rotate((0.0, 0.0, angle), Translate((middle, 0.0, 0.0), pin)) for angle in _angles(at, at, joint)]
     # The part of a bead's circle outside that of the bottom.
-    half = math.acos((_BEAD**2 + middle**2 - bottom**2) / (2 * _BEAD * middle))
-    other = math.acos((bottom**2 + middle**2 - _BEAD**2) / (2 * bottom * middle))
-    shared = half * _BEAD**2 + other * bottom**2 - middle * _BEAD * math.sin(half)
-    volume = _COUNT * (math.pi * _BEAD**2 - shared) * height / meridian.MM**3
+    half = math.acos((BEAD**2 + middle**2 - bottom**2) / (2 * BEAD * middle))
+    other = math.acos((bottom**2 + middle**2 - BEAD**2) / (2 * bottom * middle))
+    shared = half * BEAD**2 + other * bottom**2 - middle * BEAD * math.sin(half)
+    volume = LUGS * (math.pi * BEAD**2 - shared) * height / meridian.MM**3
     x, r = (low + height / 2) / meridian.MM, bottom / meridian.MM
     gained = Moments(volume, volume * x, volume * x * x, volume * r * r)
     return Detail("beads", Union(tuple(beads)), None, gained.matrix())
@@ -83,7 +83,7 @@ def _draw_flanks(joint: Joint, bore: float, beyond: float, gap: float) -> CrossS
 def _angles(begin: float, end: float, joint: Joint) -> list[float]:
     # The plug turns to the right, seen from its own end.
     first = -end if joint.side > 0 else begin
-    return [first + 360.0 * k / _COUNT for k in range(_COUNT)]
+    return [first + 360.0 * k / LUGS for k in range(LUGS)]
 
 
 def _repeat(section: CrossSection, begin: float, end: float, joint: Joint) -> Node:

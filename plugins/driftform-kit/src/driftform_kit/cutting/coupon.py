@@ -11,7 +11,7 @@ from typing import Any
 from manifold3d import CrossSection
 
 from driftform.types import Body, Detail
-from driftform_frusta.csg import Difference, Extrude, Named, Node, Revolve, Translate, Union
+from driftform_frusta.csg import Difference, Extrude, Node, Revolve, Translate, Union
 from driftform_frusta.fittings import add_details
 from driftform_frusta.kit_options import CORD, PartOptions
 from driftform_frusta.parts import Part
@@ -67,9 +67,9 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
         joint = replace(model, plug=bore - core - 2 * model.gap)
         pad, pocket, ring = draw_joint(hull, joint)
         plug = (hull.material ^ meridian.make_slab(low, 0.0)) + ring
-        seat = draw_seat(hull, Ball(0.0, core), plug, meridian.make_slab(high, high + 1), -1, joint.gap)
+        seat = draw_seat(hull, Ball(0.0, core), [plug], 0, meridian.make_slab(high, high + 1), -1, joint.gap)
         assert seat is not None  # A straight tube has room.
-        cells.append(_make_cell(plug + seat, cut_tracks(joint, bore, plug) if joint.kind == "bayonet" else ()))
+        cells.append(_make_cell(plug + seat.section, cut_tracks(joint, bore, plug) if joint.kind == "bayonet" else ()))
     socket = (hull.material + pad ^ meridian.make_slab(0.0, high)) - pocket
     ring_cell = _make_cell(socket, [draw_lugs(joint, bore, socket)] if joint.kind == "bayonet" else ())
     cells.append(Translate((0.0, 0.0, low), ring_cell))
@@ -82,7 +82,7 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
         placed.append(Translate(at, cell))
         if not loose:
             placed.append(_make_label(round(CLEARANCES[place] / _STEP), at, hull.widest, -1 if row == 0 else 1))
-    tree = Named("fit coupon: a hole for each 0.05 mm of clearance", Union(tuple(placed)))
+    tree = Union(tuple(placed))
     return Part("fit coupon", tree, to_solid(tree, options.segments))
 
 

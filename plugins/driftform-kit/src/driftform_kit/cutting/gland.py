@@ -46,7 +46,7 @@ class Gland:
         Rings of a cord that no standard has are taken to be sold in any size.
         """
         low, high = (1 + stretch for stretch in STRETCH)
-        sizes = [min(widest, high * inside) for _, inside in _list_rings(self.cord) if low * inside <= widest]
+        sizes = [min(widest, high * inside) for _, inside in list_rings(self.cord) if low * inside <= widest]
         return max(sizes, default=widest)
 
     def fit_ring(self, bore: float, gap: float, plug: float) -> "Seal":
@@ -55,7 +55,7 @@ class Gland:
         A stretched cord is thinner: its volume stays.
         """
         groove, (low, high) = 2 * (bore - self.depth), (1 + STRETCH[0] - 1e-6, 1 + STRETCH[1] + 1e-6)
-        fitting = [ring for ring in _list_rings(self.cord) if low * ring[1] <= groove <= high * ring[1]]
+        fitting = [ring for ring in list_rings(self.cord) if low * ring[1] <= groove <= high * ring[1]]
         name, inside = fitting[-1] if fitting else (None, groove / (1 + sum(STRETCH) / 2))
         cord, deep = self.cord * math.sqrt(inside / groove), self.depth - gap
         room = self.bottom * self.depth + deep * deep / 2 + gap * deep
@@ -88,7 +88,7 @@ def choose_gland(cord: float) -> Gland:
     return Gland(cord, depth, width)
 
 
-def _list_rings(cord: float) -> list[tuple[str, float]]:
+def list_rings(cord: float) -> list[tuple[str, float]]:
     """Names and inside diameters (mm) of the rings of a cord, the smallest first."""
     section = next((section for section in _SECTIONS if abs(section["cord"] - cord) < _NEAR), None)
     sizes = section["inside"] if section else []

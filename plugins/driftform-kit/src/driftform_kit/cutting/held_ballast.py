@@ -128,11 +128,11 @@ def _hold(
             return True, None
         found = []
         for draw in (draw_seat, draw_tube):
-            section = draw(hull, ball, own, taken, side, gap)
-            if section is not None and (added := section - own).area() > _MIN_SEAT:
+            seat = draw(hull, ball, parts, part, taken, side, gap)
+            if seat is not None and (added := seat.section - own).area() > _MIN_SEAT:
                 volume = meridian.moments(meridian.list_rings(meridian.take_right(added))).volume
-                found.append((volume, section))
-        return (True, Seat(min(found, key=itemgetter(0))[1], part)) if found else (False, None)
+                found.append((volume, seat))
+        return (True, min(found, key=itemgetter(0))[1]) if found else (False, None)
 
     mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
     for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
