@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
 from driftform.figures.style import BLUE
 from driftform.study import load_study
-from driftform.testing.bodies import hollow_body
+from driftform.testing.agents import hollow_agent
 from driftform.testing.renderer import drifting_trajectory, read_film
-from driftform.types import Agent, Coefficients
 from driftform.water import Pipe, Scenario, Segment
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
@@ -33,8 +31,7 @@ UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 @pytest.fixture
 def agent():
     """A tube of 60 mm about its core."""
-    body = hollow_body()
-    return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+    return hollow_agent()
 
 
 def scene(agent, flight=None, scenario=None, frames=5):

@@ -1,7 +1,5 @@
 """Solids of revolution with a polyline meridian: exact volume integrals, frustum by frustum."""
 
-from functools import lru_cache
-
 import numpy as np
 import numpy.typing as npt
 
@@ -32,13 +30,7 @@ def solid_of_revolution(contour: npt.ArrayLike) -> Moments:
         contour: x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points are an
             empty solid.
     """
-    return _revolve(np.asarray(contour, dtype=np.float64).reshape(-1, 2).tobytes())
-
-
-@lru_cache(maxsize=16)
-def _revolve(contour: bytes) -> Moments:
-    """Revolve points of x and r, whose integrals mass, drag and added mass of an agent share."""
-    points: FloatArray = np.ascontiguousarray(np.frombuffer(contour).reshape(-1, 2).T)
+    points: FloatArray = np.ascontiguousarray(np.asarray(contour, dtype=np.float64).reshape(-1, 2).T)
     steps = points[:, 1:] - points[:, :-1]
     station, radius = points[:, None, :-1] + _STATIONS * steps[:, None]
     square = radius**2

@@ -28,13 +28,6 @@ class ClosestApproach(Fitness[Table]):
         """Return the error, in percent of d_max."""
         return 100 - fitness
 
-    def judge(self, fitness: float) -> Verdict:
-        """Return whether the target is reached within 1 % of d_max, or nearly, within the paper's 5 %."""
-        error = self.measure(fitness)
-        if error <= 1:
-            return Verdict.REACHED
-        return Verdict.NEAR if error <= 5 else Verdict.MISSED
-
     def is_hit(self, fitness: float, miss: float, within: float) -> bool:
         """Return whether the flight passes its target near enough."""
         return miss <= within

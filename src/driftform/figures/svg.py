@@ -22,9 +22,6 @@ FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, 
 PAPER_FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 """Fonts of figures for papers: Arial, or those with its widths."""
 
-_SHORTENED = (("-0.00", "0.00"), (".00", ""), *((f".{digit}0", f".{digit}") for digit in range(1, 10)))
-"""Replacements, in this order, that shorten numbers with two decimals to those of :func:`format_number`."""
-
 _NOT_XML = "[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
@@ -123,31 +120,18 @@ def add_circle(
 
 def path_data(points: npt.ArrayLike, closed: bool = False) -> str:
     """Return path data through ``points``, (n, 2) in px; successive points that round to the same numbers are merged."""
-    return _join_pairs(_format_pairs(points), closed)
-
-
-def lines_data(lines: npt.NDArray[np.float64], closed: bool = False) -> str:
-    """Return path data of many lines with equally many points, (lines, n, 2) in px, each as from :func:`path_data`."""
-    pairs, count = _format_pairs(lines), lines.shape[1]
-    return "".join(_join_pairs(pairs[first : first + count], closed) for first in range(0, len(pairs), count))
-
-
-def _format_pairs(points: npt.ArrayLike) -> list[str]:
-    """Return both numbers of each point as :func:`format_number` does; many at once take half of the time."""
-    numbers = np.asarray(points, dtype=np.float64).ravel().tolist()
-    text = "%.2f %.2f\n" * (len(numbers) // 2) % tuple(numbers)
-    for long, short in _SHORTENED:
-        text = text.replace(long, short)
-    return text.splitlines()
-
-
-def _join_pairs(pairs: list[str], closed: bool) -> str:
+    pairs = (" ".join(map(format_number, point)) for point in np.asarray(points, dtype=np.float64).tolist())
     corners = [pair for pair, _ in groupby(pairs)]
     if not corners:
         return ""
     # A single point is doubled: without a line there are no round caps to draw.
     corners += corners if len(corners) == 1 else []
     return "M" + "L".join(corners) + ("Z" if closed else "")
+
+
+def lines_data(lines: npt.NDArray[np.float64], closed: bool = False) -> str:
+    """Return path data of many lines with equally many points, (lines, n, 2) in px, each as from :func:`path_data`."""
+    return "".join(path_data(line, closed) for line in lines)
 
 
 def draw_template(parent: ET.Element, package: str, name: str, **values: Any) -> None:
@@ -194,5 +178,4 @@ def render(root: ET.Element) -> str:
 
 def _replace_illegal(text: str) -> str:
     """Replace characters that XML cannot hold, even escaped, such as most control characters."""
-    # XML can hold all that is printable; compiling the expression takes a hundred times as long as looking.
-    return text if text.isprintable() else re.sub(_NOT_XML, "�", text)
+    return re.sub(_NOT_XML, "�", text)

@@ -156,7 +156,7 @@ def require_body(body: object, builder: Plugin[Any]) -> Body:
         if name == "cavity" and not len(contour):
             continue
         x, r = contour.T
-        if len(contour) < 3 or not (_is_finite(contour) and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
+        if len(contour) < 3 or not (np.isfinite(contour).all() and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
             raise _refuse(
                 builder, "build", f"a body whose {name} contour is wrong", "finite points from axis to axis, aft first"
             )
@@ -171,7 +171,7 @@ def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -
     """
     found = require(coefficients, Coefficients, model, "coefficients")
     for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
-        if not _is_finite(getattr(found, name)):
+        if not np.isfinite(getattr(found, name)).all():
             raise _refuse(model, "coefficients", f"{name} that is not finite", "numbers")
     if not _is_semidefinite(found.added_mass, body.length):
         what = "an added mass that is not symmetric and positive semi-definite"
@@ -247,20 +247,8 @@ def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding
         yield found
 
 
-def _is_finite(array: FloatArray) -> bool:
-    """Whether all numbers in a short array are finite: the sum of their squares is, unless it overflows.
-
-    For a long one, such as a flight, BLAS would start threads, which take more time than they save.
-    """
-    return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())
-
-
 def _is_semidefinite(matrix: FloatArray, length: float) -> bool:
     """Whether an added mass (6, 6) of a body of that length is symmetric and positive semi-definite, within rounding."""
-    diagonal = matrix.diagonal().tolist()
-    if min(diagonal) >= 0 and np.count_nonzero(matrix) == 6 - diagonal.count(0.0):
-        # The usual case, and the quickest: the eigenvalues of a diagonal matrix are its diagonal.
-        return True
     # In units in which masses and moments of inertia are alike.
     scale = np.array([1.0, 1.0, 1.0, *[1 / length] * 3])
     scaled = matrix * np.outer(scale, scale)
@@ -270,9 +258,6 @@ def _is_semidefinite(matrix: FloatArray, length: float) -> bool:
 
 def _are_numbers(values: object, count: int, least: float, most: float) -> bool:
     """Whether values are ``count`` real numbers in a row, none of them NaN, from ``least`` to ``most``."""
-    if isinstance(values, list | tuple) and all(type(value) is float for value in values):
-        # The usual case, and the quickest: without an array.
-        return len(values) == count and all(least <= value <= most for value in values)
     try:
         array = np.asarray(values)
     except Exception:

@@ -141,11 +141,6 @@ class Misses:
         return len(self.offsets)
 
     @property
-    def failed(self) -> int:
-        """Number of flights that failed for at least one target."""
-        return int(np.isnan(self.distances).any(axis=1).sum())
-
-    @property
     def median(self) -> FloatArray:
         """Median miss of the sound flights, m, (targets,); infinite without any."""
         return self._estimate(0.5)

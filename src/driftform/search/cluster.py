@@ -17,7 +17,6 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import closing, suppress
-from functools import partial
 from typing import Any
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
@@ -25,7 +24,7 @@ from driftform.runs.versions import find_versions
 from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import POLL_S, Executor
-from driftform.search.worker import Worker, hold_back_interrupts, use_pipeline
+from driftform.search.worker import Worker, hold_back_interrupts
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores
 
@@ -60,9 +59,8 @@ class Cluster(Executor):
             self.close()
             raise
 
-    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
-        called = partial(use_pipeline, function, *args)
-        future: Future[T] = self._tasks.submit(_call, self._study, self._versions, called)
+    def _start(self, function: Callable[[], T]) -> "Future[T]":
+        future: Future[T] = self._tasks.submit(_call, self._study, self._versions, function)
         return future
 
     def _find_error(self, future: "Future[Any]") -> BaseException | None:

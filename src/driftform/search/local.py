@@ -1,7 +1,7 @@
 """Evaluations on this machine: in this process, or in worker processes, of which a crash does not end the run."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from functools import partial
 from typing import Any
@@ -22,18 +22,14 @@ class InProcess(Executor):
         super().__init__(len(pipeline.scenario.targets), math.inf)
         self._pipeline = pipeline
 
-    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
+    def _start(self, function: Callable[[], T]) -> "Future[T]":
         future: Future[T] = Future()
         with keep_directory():
-            future.set_result(function(self._pipeline, *args))
+            future.set_result(function())
         return future
 
-    def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
-        """Call functions one after the other, and yield what they return."""
-        for function in functions:
-            with keep_directory():
-                result = function()
-            yield result
+    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
+        return self._start(partial(function, self._pipeline, *args))
 
 
 class LocalProcesses(Executor):
@@ -49,24 +45,8 @@ class LocalProcesses(Executor):
             # If that fails, the first evaluation fails alike, and reports it.
             worker.start(partial(use_pipeline, rehearse, number == 0))
 
-    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
-        return self._start(partial(use_pipeline, function, *args))
-
     def _start(self, function: Callable[[], T]) -> "Future[T]":
         return min(self._workers, key=Worker.count_tasks).start(function)
-
-    def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
-        """Call functions in the worker processes, at the same time, and yield what they return, in their order.
-
-        Functions and results must be picklable. A function whose process dies is called again in a new one.
-        """
-        try:
-            for wait_for_result in [self._begin(partial(self._start, function)) for function in functions]:
-                yield wait_for_result()
-        except BaseException:
-            # Nothing may be written any more once the caller knows of the error.
-            self.close()
-            raise
 
     def close(self) -> None:
         """End the processes at once; their tasks are lost."""

@@ -23,6 +23,7 @@ from driftform.search.jobs import (
     evaluate_batch,
     task_size,
 )
+from driftform.search.worker import use_pipeline
 from driftform.types import Evaluation
 
 POLL_S = 2.0
@@ -73,16 +74,27 @@ class Executor:
         self._failed_starts = 0
         self._seconds: float | None = None
 
+    def _start(self, function: Callable[[], T]) -> "Future[T]":
+        """Call a function in the process that is free first."""
+        raise NotImplementedError
+
     def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
         """Call a function with the pipeline of the study, and arguments, in the process that is free first."""
-        raise NotImplementedError
+        return self._start(partial(use_pipeline, function, *args))
 
     def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
         """Call functions on this machine, at the same time if possible, and yield what they return, in their order.
 
-        Raises WorkerDiedError in place of a result if its function ends its process each time it is called.
+        Functions and results must be picklable. A function whose process dies is called again in a new one. Raises
+        WorkerDiedError in place of a result if its function ends its process each time it is called.
         """
-        raise NotImplementedError
+        try:
+            for wait_for_result in [self._begin(partial(self._start, function)) for function in functions]:
+                yield wait_for_result()
+        except BaseException:
+            # Nothing may be written any more once the caller knows of the error.
+            self.close()
+            raise
 
     def close(self) -> None:
         """Stop the workers, if there are any."""

@@ -1,7 +1,6 @@
 """The results of a run: the best agents with their files, and pictures of all flights."""
 
 import shlex
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,7 +23,7 @@ from driftform.search.jobs import ATTEMPTS, WorkerDiedError
 from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
-from driftform.util.files import remove_parts, write_text, write_whole
+from driftform.util.files import remove_parts, write_text
 from driftform.util.progress import track_progress
 from driftform.water.disturbances import Specimen
 
@@ -115,10 +114,7 @@ def _write_agents(run: StoredRun, store: Store, stored: Sequence[StoredAgent]) -
         target, result = best.result["target"], best.result
         document, samples, picture = files = [run.path / "best" / target / name for name in names]
         best.write(document)
-        if found:
-            write_whole(samples, partial(shutil.copyfile, found[0].files[1]))
-        else:
-            write_trajectory(samples, flight)
+        write_trajectory(samples, flight)
         write_text(picture, section_svg(agent, target, run.study.scenario))
         found.append(Best(target, result, document, tuple(files)))
     return found, agent

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.testing.bodies import spheroid_body
+from driftform.agent import mass_properties
+from driftform.testing.bodies import hollow_body, spheroid_body
 from driftform.types import Agent, Coefficients, End, MassProperties, Trajectory
 from driftform.water import Pipe, Segment
 
@@ -29,6 +30,12 @@ def first_sample(trajectory: Trajectory) -> Trajectory:
     """Return the flight that ended at its release."""
     t = trajectory
     return Trajectory(t.t[:1], t.position[:1], t.quaternion[:1], t.velocity[:1], End.INLET)
+
+
+def hollow_agent() -> Agent:
+    """Return a capped hollow tube, without a genome."""
+    body = hollow_body()
+    return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
 
 
 def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:

@@ -3,17 +3,14 @@
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
 import pytest
 
-from driftform.agent import mass_properties
 from driftform.errors import DriftformError
 from driftform.interfaces import Exporter, ExportJob
 from driftform.plugins.seams import require_files
-from driftform.testing.agents import straight_pipe
-from driftform.testing.bodies import hollow_body
+from driftform.testing.agents import hollow_agent, straight_pipe
 from driftform.testing.contract import PluginT_co, SeamContract
-from driftform.types import Agent, Coefficients, WrittenFile
+from driftform.types import WrittenFile
 from driftform.water import Scenario, Vector
 
 
@@ -24,9 +21,7 @@ class JobContract(SeamContract[PluginT_co]):
 
     def export_job(self) -> ExportJob:
         """Return an agent that can be exported: a capped hollow tube, without a genome, in a pipe with a target."""
-        body = hollow_body()
-        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
-        return ExportJob("agent", agent, Scenario(pipe=straight_pipe(9.0, 1.0), targets={"leak": self.leak}))
+        return ExportJob("agent", hollow_agent(), Scenario(pipe=straight_pipe(9.0, 1.0), targets={"leak": self.leak}))
 
     def path(self, directory: Path) -> Path:
         """Return the path that commands pass to the plugin."""

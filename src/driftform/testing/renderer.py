@@ -8,14 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from driftform.agent import mass_properties
 from driftform.errors import InputError
 from driftform.interfaces import Renderer
 from driftform.plugins.seams import require_file
-from driftform.testing.agents import first_sample, straight_pipe
-from driftform.testing.bodies import hollow_body
+from driftform.testing.agents import first_sample, hollow_agent, straight_pipe
 from driftform.testing.contract import SeamContract
-from driftform.types import Agent, Coefficients, End, Trajectory
+from driftform.types import End, Trajectory
 from driftform.water import Scenario
 
 Frames: TypeAlias = npt.NDArray[np.uint8]
@@ -60,43 +58,36 @@ class RendererContract(SeamContract[Renderer[Any]]):
     Attributes:
         rate: frames per second of the flight.
         size: width and height of a frame, px.
+        scenario: that of the flights: half a metre of pipe, with a target.
     """
 
     rate: float = 25.0
     size: tuple[int, int] = (640, 360)
+    scenario = Scenario(pipe=straight_pipe(0.5, 0.1), targets={"leak": (0.3, 0.0, 0.05)})
 
     def read(self, path: Path) -> Frames:
         """Return the frames of a film; override it for formats that ffmpeg does not read."""
         return read_film(path)
 
-    def agent(self) -> Agent:
-        """Return the agent of the film: a capped hollow tube, without a genome."""
-        body = hollow_body()
-        return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
-
-    def scenario(self) -> Scenario:
-        """Return the scenario of the film: half a metre of pipe, with a target."""
-        return Scenario(pipe=straight_pipe(0.5, 0.1), targets={"leak": (0.3, 0.0, 0.05)})
-
-    def make(self, path: Path, how: Any = lambda done, total: None, **given: Any) -> Frames:
-        """Make a film with the progress ``how``, or a still at the time ``how``; return its frames.
-
-        ``given`` may have a ``trajectory``, by default one that drifts and pitches, a ``scenario`` and a ``renderer``.
-        """
-        renderer = given.get("renderer") or self.plugin()
-        name = "film" if callable(how) else "still"
-        flight = (
-            self.agent(),
-            given.get("trajectory") or drifting_trajectory(),
-            given.get("scenario") or self.scenario(),
-        )
-        written = require_file(getattr(renderer, name)(*flight, path, how), renderer, name)
+    def make(
+        self,
+        path: Path,
+        trajectory: Trajectory | None = None,
+        scenario: Scenario | None = None,
+        at: float | None = None,
+        renderer: Renderer[Any] | None = None,
+    ) -> Frames:
+        """Make a film, or a still at a time (s), of a flight that by default drifts and pitches; return its frames."""
+        renderer, name = renderer or self.plugin(), "film" if at is None else "still"
+        last = (lambda done, total: None) if at is None else at
+        flight = (hollow_agent(), trajectory or drifting_trajectory(), scenario or self.scenario)
+        written = require_file(getattr(renderer, name)(*flight, path, last), renderer, name)
         assert Path(written.path) == path and written.format == renderer.name
         return self.read(path)
 
-    def frames(self, folder: Path, how: Any = lambda done, total: None, **given: Any) -> npt.NDArray[np.int_]:
+    def frames(self, folder: Path, **given: Any) -> npt.NDArray[np.int_]:
         """Return the frames of a film in the first of the formats, whose differences may be negative."""
-        return self.make(folder / f"film{self.plugin().suffixes[0]}", how, **given).astype(int)
+        return self.make(folder / f"film{self.plugin().suffixes[0]}", **given).astype(int)
 
     def test_each_format_gives_a_film_where_it_was_asked_for(self, tmp_path: Path) -> None:
         """A film has the frames of its duration, within one for the ends, replaces an older one, and is the only file."""
@@ -130,17 +121,17 @@ class RendererContract(SeamContract[Renderer[Any]]):
         for key, value in least.items():
             assert len(self.frames(tmp_path, **{key: value})) >= 1
             for suffix in self.plugin().stills:
-                assert len(self.make(tmp_path / f"still{suffix}", 0.0, **{key: value})) == 1
+                assert len(self.make(tmp_path / f"still{suffix}", at=0.0, **{key: value})) == 1
 
     @pytest.mark.parametrize("name", ["film.mkw", "film", ".mp4"])
     def test_an_unknown_suffix_is_refused(self, name: str, tmp_path: Path) -> None:
         """``check`` and ``check_still`` refuse it before the flight, and so do ``film`` and ``still``; nothing is written."""
-        renderer, nothing = self.plugin(), lambda done, total: None
-        for check, how in ((renderer.check, nothing), (renderer.check_still, 0.0)):
+        renderer = self.plugin()
+        for check, at in ((renderer.check, None), (renderer.check_still, 0.0)):
             with pytest.raises(InputError):
                 check(tmp_path / name)
             with pytest.raises(InputError):
-                self.make(tmp_path / name, how)
+                self.make(tmp_path / name, at=at)
         assert list(tmp_path.iterdir()) == []
 
     def test_a_still_shows_the_moment_that_was_asked_for(self, tmp_path: Path) -> None:
@@ -148,7 +139,7 @@ class RendererContract(SeamContract[Renderer[Any]]):
         for suffix in self.plugin().stills:
             path = tmp_path / f"still{suffix}"
             self.plugin().check_still(path)
-            first, last, again = (self.make(path, at).astype(int) for at in (0.0, 0.4, 0.4))
+            first, last, again = (self.make(path, at=at).astype(int) for at in (0.0, 0.4, 0.4))
             assert first.shape == (1, self.size[1], self.size[0], 3)
             assert np.abs(first - last).max() > 64
             np.testing.assert_array_equal(last, again)
