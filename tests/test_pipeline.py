@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from driftform.errors import WorkFailedError
 from driftform.interfaces import Measure
 from driftform.pipeline import MARGIN
 from driftform.study import load_study
@@ -89,7 +90,7 @@ def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(p
     # A metre of filament holds 2.405 ml.
     hull = 1e3 * found.measures["print_mass"] / agent.body.hull_density
     assert found.measures["filament"] == pytest.approx(hull / 2.405e-3, rel=1e-3)
-    assert found.violations == {"port": 0.0, "bore": 0.0}
+    assert found.violations == {"port": 0.0, "bore": 0.0, "release": 0.0}
     monkeypatch.setattr(pipeline.fitness, "find_measures", lambda *_: {"height": 2.0}, raising=False)
     assert "expected a number from -1 to 1 for 'height'" in pipeline.evaluate(genomes[:1])[0].failure
     monkeypatch.setattr(pipeline.fitness, "find_measures", lambda *_: {"depth": 2.0}, raising=False)
@@ -102,3 +103,30 @@ def test_a_body_that_is_too_wide_says_by_how_much(pipeline, genomes):
     narrow = replace(pipeline, scenario=pipeline.scenario.model_copy(update={"release": release}))
     [found] = narrow.evaluate(genomes[:1])
     assert found.failure and found.violations["port"] == pytest.approx(0.002) and not found.violations["bore"]
+
+
+def test_a_body_released_in_the_wall_says_how_far_it_reaches_into_it(pipeline, genomes):
+    # The pipe has a radius of 1 m, and the body's nose points along it.
+    for height in (1.0, 1.1):
+        release = pipeline.scenario.release.model_copy(update={"position": (0.5, 0.0, height)})
+        [found] = replace(pipeline, scenario=pipeline.scenario.model_copy(update={"release": release})).evaluate(
+            genomes[:1]
+        )
+        half = 0.5 * pipeline.make_agent(genomes[0]).body.max_diameter
+        assert found.failure and found.violations["release"] == pytest.approx(height - 1.0 + half, rel=1e-6)
+
+
+def test_a_constraint_that_a_plugin_names_is_told_stored_and_shown(pipeline, genomes, monkeypatch):
+    def build(morphology):
+        raise WorkFailedError("too weak", violations={"strength": 0.25})
+
+    monkeypatch.setattr(pipeline.builder, "build", build, raising=False)
+    [found] = replace(pipeline).evaluate(genomes[:1])
+    assert found.failure == "too weak" and found.violations == {"strength": 0.25}
+    monkeypatch.undo()
+    monkeypatch.setattr(
+        pipeline.fitness, "measures", {"draught": Measure("at the end", "m", is_violation=True)}, raising=False
+    )
+    monkeypatch.setattr(pipeline.fitness, "find_measures", lambda *_: {"draught": 0.5}, raising=False)
+    [found] = pipeline.evaluate(genomes[:1])
+    assert found.failure is None and found.violations["draught"] == 0.5 and "draught" not in found.measures

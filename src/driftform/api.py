@@ -22,7 +22,7 @@ from driftform.runs.coverage import CoverageMap
 from driftform.runs.misses import Misses
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record
-from driftform.runs.tables import evaluation_batches, write_tables
+from driftform.runs.tables import evaluation_batches, list_columns, write_tables
 from driftform.runs.wording import is_promised, list_cells, list_headings
 from driftform.search.advance import Observer, advance_run, find_best, list_best
 from driftform.search.finalists import find_winner
@@ -142,7 +142,8 @@ class Run(StoredRun, Mapping[str, Design]):
         """Return all evaluations as columns, for ``pandas.DataFrame(run.evaluations())``: those of ``export-data``."""
         found: dict[str, list[Any]] = {}
         with self.read() as store:
-            for batch in evaluation_batches(self.study, store.read_records(self.study.scenario.target_names)):
+            records, columns = store.read_records(self.study.scenario.target_names), list_columns(self.study, store)
+            for batch in evaluation_batches(self.study, records, columns):
                 for name, values in batch.items():
                     found.setdefault(name, []).extend(values)
         return found

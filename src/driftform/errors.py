@@ -2,7 +2,7 @@
 
 import re
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 
 __all__ = ["DriftformError", "InputError", "WorkFailedError", "describe_error", "did_you_mean"]
@@ -37,7 +37,15 @@ class InputError(DriftformError):
 
 
 class WorkFailedError(DriftformError):
-    """The input is valid, but the work failed. Exit code 1."""
+    """The input is valid, but the work failed. Exit code 1.
+
+    A grammar or a builder says by ``violations`` how far a body is from one that can be made: by how much each constraint
+    is missed, by its name, in SI units.
+    """
+
+    def __init__(self, *faults: object, violations: Mapping[str, float] | None = None) -> None:
+        super().__init__(*faults)
+        self.violations = {str(name): float(excess) for name, excess in (violations or {}).items()}
 
 
 def describe_error(error: BaseException, *, with_place: bool = False) -> str:

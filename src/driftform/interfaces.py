@@ -302,12 +302,16 @@ class Simulator(Plugin[OptionsT_co]):
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that is measured of each flight besides its fitness: ``meaning``, ``unit``, and bounds ``low`` and ``high``."""
+    """A number that is measured of each flight besides its fitness: ``meaning``, ``unit``, and bounds ``low`` and ``high``.
+
+    With ``is_violation`` it is by how much a constraint is missed, from 0: a flight that misses one is not feasible.
+    """
 
     meaning: str
     unit: str = ""
     low: float = float("-inf")
     high: float = float("inf")
+    is_violation: bool = False
 
 
 class Fitness(Plugin[OptionsT_co]):

@@ -229,6 +229,7 @@ class Pipeline(ByContent):
                 agent = self.make_agent(genome, conditions[index])
             except faults.CAUGHT as error:
                 outcomes[index] = Evaluation.failed(genome, targets, faults.describe_fault(error))
+                violations[index] = getattr(error, "violations", {})
                 continue
             if conditions[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
@@ -251,8 +252,8 @@ class Pipeline(ByContent):
             outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent), disturbed)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [
-            replace(outcomes[index], seconds=share, violations=violations.get(index, {}))
-            for index in range(len(genomes))
+            replace(found, seconds=share, violations={**violations.get(index, {}), **found.violations})
+            for index, found in sorted(outcomes.items())
         ]
 
     def _fly_each(
@@ -320,7 +321,8 @@ class Pipeline(ByContent):
             if disturbed:
                 return Evaluation(genome, fitness, trajectory)
             found = require_measures(self.fitness.find_measures(trajectory, self.scenario, agent), self.fitness)
+            missed = {name: found.pop(name) for name, one in self.fitness.measures.items() if one.is_violation}
             measures = measure_evaluation(agent, trajectory, self.scenario.fluid.density) | found
-            return Evaluation(genome, fitness, trajectory, measures=measures)
+            return Evaluation(genome, fitness, trajectory, measures=measures, violations=missed)
         except faults.CAUGHT as error:
             return Evaluation.failed(genome, targets, faults.describe_fault(error))

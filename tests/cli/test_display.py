@@ -14,6 +14,7 @@ from rich.console import Console
 
 from driftform.cli.display import BARS, PAGE_S, PLAIN_BARS, View, draw_sparkline, progress_line
 from driftform.runs.status import RunStatus, Throughput
+from driftform.runs.store import EvaluationSummary
 
 
 def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known():
@@ -41,7 +42,9 @@ def a_view(targets, clock=None, fits=True, evaluations=300):
     standing = RunStatus(names, 1000)
     for index in range(evaluations):
         scores = [100 - 60 / (1 + index / 10) for _ in names]
-        standing.add(index, index // 50, "", FAILURE if index % 17 == 0 else None, scores)
+        missed = {"port": 0.001 * index, "kit": 0.0}
+        failure = FAILURE if index % 17 == 0 else None
+        standing.add(EvaluationSummary(index, index // 50, "", failure, scores, {"mass": index}, missed))
     pace = Throughput(0, clock or Clock())
     return View(standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits)
 
@@ -62,8 +65,13 @@ def test_the_display_fits_the_terminal(targets, width, height, evaluations):
 
 def test_the_display_says_the_commonest_failure_in_one_line():
     lines = shown(a_view(10), 80, 24)
-    assert lines[-2].startswith("failed most often (18 of 18): not converged: no tolerance brings two")
+    assert lines[-4].startswith("failed most often (18 of 18): not converged: no tolerance brings two")
     assert not any("failed most often" in line for line in shown(a_view(10, evaluations=0), 80, 24))
+
+
+def test_the_display_says_what_was_measured_of_the_best_and_which_constraints_are_missed():
+    assert shown(a_view(1), 80, 24)[-3] == "missed: port 299 times, by 0.001 m or more"
+    assert shown(a_view(10), 80, 24)[-2] == "best of TP1: mass 299"
 
 
 @settings(deadline=None, max_examples=40)
@@ -96,7 +104,7 @@ def test_targets_that_find_no_room_take_turns():
     clock = Clock()
     view = a_view(40, clock)
     seen = set()
-    for _ in range(3):
+    for _ in range(4):
         lines = shown(view, 80, 24)
         seen |= {found[1] for text in lines if (found := re.match(r"(TP\d+|the-far-end\S*)", text))}
         assert any(re.search(r"targets \d+ to \d+ of 40", text) for text in lines)
@@ -118,7 +126,7 @@ def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii():
 
 def test_a_line_of_progress_stays_a_line_with_hundreds_of_targets():
     status = RunStatus(tuple(f"T{n}" for n in range(300)), 20)
-    status.add(0, 0, "", None, [50.0 + n / 10 for n in range(300)])
+    status.add(EvaluationSummary(0, 0, "", None, [50.0 + n / 10 for n in range(300)]))
     line = progress_line(status, Throughput(0))
     assert line == "1/20 evaluations: best of 300 targets: median 64.95, worst T0 50.00"
 

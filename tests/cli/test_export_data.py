@@ -164,7 +164,7 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy, monkeypatch):
         raise ValueError("too many modules")
 
     monkeypatch.setattr("driftform_frusta.builder.FrustaBuilder.build", refuse)
-    [batch] = tables.evaluation_batches(study, [record])
+    [batch] = tables.evaluation_batches(study, [record], table_files.evaluation_columns(TARGETS))
     assert batch["modules"] == batch["mass"] == batch["net_buoyancy"] == [None]
     assert batch["fitness_TP1"] == [float(record.evaluation.fitness[0])]
 

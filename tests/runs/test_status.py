@@ -7,6 +7,7 @@ from processes import Clock
 
 from driftform.cli.display import format_throughput, progress_line
 from driftform.runs.status import PARTS, RunStatus, Throughput
+from driftform.runs.store import EvaluationSummary
 
 fitness = st.floats(0, 100)
 
@@ -31,7 +32,7 @@ def runs(draw):
 def standing_of(evaluations):
     standing = RunStatus(("A", "B"), 100)
     for evaluation in evaluations:
-        standing.add(*evaluation)
+        standing.add(EvaluationSummary(*evaluation))
     return standing
 
 
@@ -127,7 +128,7 @@ def test_time_left_is_that_of_the_present_pace():
     standing, pace = RunStatus(("A",), 1000), Throughput(0, clock)
     assert format_throughput(standing, pace) == ""
     for index in range(400):
-        standing.add(index, 0, "", None, [50.0])
+        standing.add(EvaluationSummary(index, 0, "", None, [50.0]))
     clock.now += 40  # The equations of motion are compiled.
     pace.mark(100)
     assert format_throughput(standing, pace) == ""

@@ -91,24 +91,35 @@ class View:
         from rich.text import Text
 
         count = len(self.status.targets)
-        first, last = self._shown(console.size.height)
+        notes = self._notes()[: max(1, console.size.height - _AROUND - 3) if self.fits else None]
+        first, last = self._shown(console.size.height - len(notes))
         shown = f"targets {first + 1} to {last} of {count}" if last - first < count else ""
         rows = list(islice(self.status.targets.items(), first, last))
         yield self._table(rows, options)
         yield Text("")
         yield self._bar(min(40, max(10, options.max_width - 40)))
         yield Text(", ".join(filter(None, (*self.facts, shown))))
-        reason, alike = self.status.commonest_failure
-        if alike:
-            text = f"failed most often ({alike} of {self.status.failed}): {escape_controls(reason)}"
-            yield Text(text, no_wrap=True, overflow=_overflow(options))
+        for text in notes:
+            yield Text(escape_controls(text), no_wrap=self.fits, overflow=_overflow(options))
         if self.footer:
             yield Text(self.footer, style="dim", no_wrap=True, overflow=_overflow(options))
 
+    def _notes(self) -> list[str]:
+        """What is most often wrong, which constraints are missed, and what was measured of best agents, in turn if it must fit."""
+        (reason, alike), missed = self.status.commonest_failure, str(self.status.missed)
+        notes = [f"failed most often ({alike} of {self.status.failed}): {reason}"] if alike else []
+        notes += [f"missed: {missed}"] if missed else []
+        measured = [
+            f"best of {name}: {', '.join(f'{key} {v:.4g}' for key, v in one.measures.items() if math.isfinite(v))}"
+            for name, one in self.status.targets.items()
+            if one.measures
+        ]
+        turn = int(self.throughput.elapsed / PAGE_S) % max(1, len(measured))
+        return notes + (measured[turn : turn + 1] if self.fits else measured)
+
     def _shown(self, height: int) -> tuple[int, int]:
         """Which targets are shown now: the first, and the one after the last."""
-        around = _AROUND + bool(self.status.failed)
-        count, room = len(self.status.targets), max(1, height - around)
+        count, room = len(self.status.targets), max(1, height - _AROUND)
         if not self.fits or count <= room:
             return 0, count
         pages = -(-count // room)

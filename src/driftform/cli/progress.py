@@ -49,10 +49,7 @@ class Progress(Observer):
 
     def record(self, record: Record) -> None:
         """Count one evaluation."""
-        candidate, evaluation = record.candidate, record.evaluation
-        self._status.add(
-            record.index, candidate.generation, candidate.target, evaluation.failure, evaluation.fitness.tolist()
-        )
+        self._status.add(record.summary)
         self._throughput.mark(self._status.done)
 
     def warn(self, text: str) -> None:

@@ -34,10 +34,7 @@ def watch(
         from rich.console import Console
 
         # Off a terminal the width is unknown, so nothing is cut.
-        Console(highlight=False, width=None if sys.stdout.isatty() else 200).print(_view(monitor, fits=False))
-        for target in monitor.status.targets:
-            if measured := monitor.read_measures(target):
-                print(f"{target}: {', '.join(f'{name} {value:.4g}' for name, value in measured.items())}")
+        Console(highlight=False, width=None if sys.stdout.isatty() else 1000).print(_view(monitor, fits=False))
         if monitor.is_over:
             print(monitor.describe_end())
     else:

@@ -141,7 +141,10 @@ def require_morphology(morphology: object, grammar: Grammar[Any]) -> Morphology:
         are_numbers = type(length) is type(tilt) is float or _are_numbers([length, tilt], 2, -np.inf, np.inf)
         if not (are_numbers and 0 < length < math.inf and abs(tilt) < math.pi / 2):
             what = f"{_show(length)} m and {_show(tilt)} rad as length and tilt of a module"
-            raise _refuse(grammar, "express", what, "a length above 0 and a tilt below a right angle")
+            error = _refuse(grammar, "express", what, "a length above 0 and a tilt below a right angle")
+            if are_numbers:
+                error.violations = {"module": max(0.0, -length, abs(tilt) - math.pi / 2)}
+            raise error
     return found
 
 
@@ -201,8 +204,9 @@ def require_measures(found: object, fitness: Fitness[Any]) -> dict[str, float]:
     if not isinstance(found, Mapping) or set(found) != set(known):
         raise _refuse(fitness, "find_measures", _show(found), f"the measures {', '.join(known) or '(none)'}")
     for name, value in found.items():
-        if not _are_numbers([value], 1, known[name].low, known[name].high):
-            bounds = f"a number from {known[name].low:g} to {known[name].high:g} for '{name}'"
+        low, high = max(known[name].low, 0.0 if known[name].is_violation else -math.inf), known[name].high
+        if not _are_numbers([value], 1, low, high):
+            bounds = f"a number from {low:g} to {high:g} for '{name}'"
             raise _refuse(fitness, "find_measures", _show(value), bounds)
     return {name: float(value) for name, value in found.items()}
 

@@ -45,9 +45,7 @@ class RunMonitor:
             for summary in store.read_summaries(targets, self._first):
                 if summary.index not in self._above:
                     self._above.add(summary.index)
-                    self.status.add(
-                        summary.index, summary.generation, summary.population, summary.failure, summary.fitness
-                    )
+                    self.status.add(summary)
         while self._first in self._above:
             self._above.remove(self._first)
             self._first += 1
@@ -73,13 +71,6 @@ class RunMonitor:
             f"stopped after {status.done} of {status.budget} evaluations; resume with: {resume_command(self.directory)}"
         )
 
-    def read_measures(self, target: str) -> dict[str, float]:
-        """Return what was measured of the best evaluation for a target, by name; nothing before there is one."""
-        index, names = self.status.targets[target].index, list(self.status.targets)
-        with Store.open(self._database, read_only=True, check=False) as store:
-            records = store.read_records(names, index, 1) if index >= 0 else ()
-            return {name: v for record in records for name, v in record.evaluation.measures.items() if isfinite(v)}
-
     def document(self) -> dict[str, Any]:
         """Return the state in numbers, as ``driftform watch --json`` prints it."""
         reason, count = self.status.commonest_failure
@@ -98,7 +89,7 @@ class RunMonitor:
                     "generation": target.generation if target.generation >= 0 else None,
                     "mean_fitness": target.mean,
                     "failed": target.failed,
-                    "measures": self.read_measures(name),
+                    "measures": {key: value for key, value in target.measures.items() if isfinite(value)},
                 }
                 for name, target in self.status.targets.items()
             },

@@ -3,10 +3,12 @@
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
 
 from driftform.errors import ReasonTally
+from driftform.runs.store import EvaluationSummary
+from driftform.runs.table_files import MEASURE_COLUMNS
 
 PARTS = 48
 """Equal parts of the budget of which the best error is kept: as many as a curve has columns."""
@@ -20,6 +22,7 @@ class TargetStatus:
         index: the evaluation that has it, the earliest of equals; -1 before any.
         generation: the newest of the population that works for the target, -1 before any.
         failed: how many evaluations of that population failed.
+        measures: what was measured of the best, by name.
     """
 
     def __init__(self) -> None:
@@ -27,6 +30,7 @@ class TargetStatus:
         self.index = -1
         self.generation = -1
         self.failed = 0
+        self.measures: Mapping[str, float] = {}
         self._sum = 0.0
         self._count = 0
         self._least = [math.inf] * PARTS
@@ -45,16 +49,37 @@ class TargetStatus:
             self._sum += fitness
             self._count += 1
 
-    def score(self, index: int, fitness: float, part: int) -> None:
+    def score(self, index: int, fitness: float, part: int, measures: Mapping[str, float]) -> None:
         """Compare a sound evaluation of any population, in a part of the budget, with the best."""
         if (fitness, -index) > (self.best, -self.index) or self.index < 0:
-            self.best, self.index = fitness, index
+            self.best, self.index, self.measures = fitness, index, measures
         self._least[part] = min(self._least[part], 100 - fitness)
 
     def list_errors(self) -> list[float | None]:
         """Return the best error (%) so far at the end of each part of the budget that is begun; ``None`` before any."""
         begun = max((part for part, error in enumerate(self._least, start=1) if error < math.inf), default=0)
         return [None if error == math.inf else error for error in accumulate(self._least[:begun], min)]
+
+
+class Missed:
+    """How many evaluations miss each constraint, and by how much those that miss it least."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, tuple[int, float]] = {}
+
+    def add(self, violations: Mapping[str, float]) -> None:
+        """Count the violations of an evaluation."""
+        for name, excess in violations.items():
+            if excess > 0:
+                count, least = self._found.get(name, (0, excess))
+                self._found[name] = count + 1, min(least, excess)
+
+    def __str__(self) -> str:
+        units = {column.name: f" {column.unit}" for column in MEASURE_COLUMNS}
+        rows = self._found.items()
+        return ", ".join(
+            f"{name} {count} times, by {least:.3g}{units.get(name, '')} or more" for name, (count, least) in rows
+        )
 
 
 class RunStatus:
@@ -64,6 +89,7 @@ class RunStatus:
         budget: evaluations in the whole run.
         done, failed: how many there are, and how many of those failed.
         targets: the standing of each target, by its name.
+        missed: the constraints that evaluations miss.
     """
 
     def __init__(self, targets: Sequence[str], budget: int) -> None:
@@ -71,6 +97,7 @@ class RunStatus:
         self.done = 0
         self.failed = 0
         self.targets = {target: TargetStatus() for target in targets}
+        self.missed = Missed()
         self._reasons = ReasonTally()
 
     @property
@@ -78,19 +105,20 @@ class RunStatus:
         """The first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
         return self._reasons.commonest
 
-    def add(self, index: int, generation: int, population: str, failure: str | None, fitness: Sequence[float]) -> None:
-        """Count one evaluation; ``population`` is the target that its population works for, ``""`` for all."""
-        failed = failure is not None
+    def add(self, one: EvaluationSummary) -> None:
+        """Count one evaluation."""
+        failed = one.failure is not None
         self.done += 1
         self.failed += failed
-        if failure is not None:
-            self._reasons.add(failure)
-        part = min(PARTS * index // self.budget, PARTS - 1)
-        for (target, standing), value in zip(self.targets.items(), fitness, strict=True):
-            if population in (target, ""):
-                standing.count(generation, failed, value)
+        if one.failure is not None:
+            self._reasons.add(one.failure)
+        self.missed.add(one.violations)
+        part = min(PARTS * one.index // self.budget, PARTS - 1)
+        for (target, standing), value in zip(self.targets.items(), one.fitness, strict=True):
+            if one.population in (target, ""):
+                standing.count(one.generation, failed, value)
             if not failed:
-                standing.score(index, value, part)
+                standing.score(one.index, value, part, one.measures)
 
 
 class Throughput:

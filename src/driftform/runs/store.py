@@ -9,7 +9,7 @@ import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import nan
 from pathlib import Path
@@ -75,19 +75,29 @@ class Record:
     evaluation: Evaluation
     seed: int = 0
 
+    @property
+    def summary(self) -> "EvaluationSummary":
+        """The same without genome and flight."""
+        one, of = self.evaluation, self.candidate
+        values = (one.failure, tuple(one.fitness.tolist()), one.measures, one.violations)
+        return EvaluationSummary(self.index, of.generation, of.target, *values)
+
 
 @dataclass(frozen=True)
 class EvaluationSummary:
     """A stored evaluation without its genome and flight.
 
-    ``population`` is the target that its population works for, ``""`` for all; ``failure`` says why it has no flight that counts.
+    ``population`` is the target that its population works for, ``""`` for all; ``failure`` says why it has no flight that counts;
+    ``measures`` and ``violations`` are those of the :class:`~driftform.types.Evaluation`.
     """
 
     index: int
     generation: int
     population: str
     failure: str | None
-    fitness: tuple[float, ...]
+    fitness: Sequence[float]
+    measures: Mapping[str, float] = field(default_factory=dict)
+    violations: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,11 +326,18 @@ class Store:
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield the summaries of the evaluations from index ``first`` on, in their order, as of one moment."""
-        columns = "id, generation, population, failure" + _SCORE * len(targets)
+        columns = f"id, generation, population, failure, {self._found}" + _SCORE * len(targets)
         query = f"SELECT {columns} FROM evaluation WHERE id >= ? ORDER BY id"
         with self._reading(), closing(self._connection.execute(query, (*targets, first))) as rows:
-            for index, generation, population, failure, *fitness in rows:
-                yield EvaluationSummary(index, generation, population, failure, tuple(map(float, fitness)))
+            for index, generation, population, failure, found, *fitness in rows:
+                values = tuple(map(float, fitness))
+                yield EvaluationSummary(index, generation, population, failure, values, *_read_found(found))
+
+    def list_constraints(self) -> list[str]:
+        """Return the names of the constraints that any evaluation is measured by, in order."""
+        query = "SELECT DISTINCT key FROM measured, json_each(found, '$[1]') ORDER BY key"
+        with self._reading():
+            return [name for (name,) in self._connection.execute(query)] if self._has_measures else []
 
     def read_fitness(self, target: str, indices: Sequence[int]) -> dict[int, float]:
         """Return the fitness (%) of the undisturbed flights of evaluations, by evaluation."""
@@ -332,8 +349,7 @@ class Store:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, SQLite would read all that follows, to leave it out.
         end = first + count if count >= 0 else MAX_INDEX
-        found = "(SELECT found FROM measured WHERE evaluation = id)" if self._has_measures else "NULL"
-        columns = f"{found}, evaluation.*" + _SCORE * len(targets)
+        columns = f"{self._found}, evaluation.*" + _SCORE * len(targets)
         query = f"SELECT {columns} FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
         with self._reading(), closing(self._connection.execute(query, (*targets, first, end))) as rows:
             for row in rows:
@@ -341,13 +357,9 @@ class Store:
 
     def read_trajectories(self) -> Iterator[tuple[int, Trajectory]]:
         """Yield the index and the flight of every evaluation that did not fail, in their order."""
-        query = """
-            SELECT id, ended, contact, energy_drift, error, trajectory FROM evaluation
-            WHERE failure IS NULL AND trajectory IS NOT NULL ORDER BY id
-        """
-        with self._reading(), closing(self._connection.execute(query)) as rows:
-            for index, ended, contact, drift, error, blob in rows:
-                yield index, _flight(blob, ended, contact, drift, error)
+        for record in self.read_records(()):
+            if record.evaluation.failure is None and record.evaluation.trajectory is not None:
+                yield record.index, record.evaluation.trajectory
 
     def read_record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
@@ -414,13 +426,17 @@ class Store:
             raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
         genome = Genome(grammar, tuple(json.loads(symbols)), tuning)
         fitness = np.array([float(score) for score in scores])
-        flight = None if blob is None else _flight(blob, ended, contact, drift, error)
+        facts = {"contact": contact, "energy_drift": drift, "error": error}
+        flight = None if blob is None else decode(blob, End(ended), **facts)
         candidate = Candidate(genome, tuple(json.loads(parents)), generation, population)
-        measures, violations = (
-            {str(name): float(value) for name, value in values.items()} for values in json.loads(found or "[{}, {}]")
-        )
+        measures, violations = _read_found(found)
         evaluation = Evaluation(genome, fitness, flight, failure, seconds, measures=measures, violations=violations)
         return Record(index, candidate, evaluation, seed)
+
+    @property
+    def _found(self) -> str:
+        """A column of what was measured of an evaluation."""
+        return "(SELECT found FROM measured WHERE evaluation = id)" if self._has_measures else "NULL"
 
     @cached_property
     def _has_measures(self) -> bool:
@@ -428,9 +444,10 @@ class Store:
         return bool(_ask(self._connection, "SELECT count(*) FROM sqlite_master WHERE name = 'measured'"))
 
 
-def _flight(blob: bytes, ended: str, contact: float | None, drift: float | None, error: float | None) -> Trajectory:
-    """Return a flight from the values of its columns."""
-    return decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+def _read_found(found: str | None) -> tuple[dict[str, float], dict[str, float]]:
+    """Return measures and violations from what is stored of them."""
+    measures, violations = json.loads(found or "[{}, {}]")
+    return {str(k): float(v) for k, v in measures.items()}, {str(k): float(v) for k, v in violations.items()}
 
 
 def _describe_read_error(path: Path, error: Exception) -> DriftformError:

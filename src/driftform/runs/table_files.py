@@ -53,9 +53,17 @@ MEASURE_COLUMNS = read_columns("measure")
 """The columns of what is measured of each evaluation, beside those of its body."""
 
 
-def evaluation_columns(targets: Sequence[str], measures: Mapping[str, Measure] = {}) -> tuple[Column, ...]:
-    """Return the columns of the evaluations, with the measures of a fitness, and a fitness for each target."""
-    found = (Column(name, "float", measure.unit, measure.meaning) for name, measure in measures.items())
+def evaluation_columns(
+    targets: Sequence[str], measures: Mapping[str, Measure] = {}, constraints: Iterable[str] = ()
+) -> tuple[Column, ...]:
+    """Return the columns of the evaluations, with measures of a fitness, constraints, and a fitness for each target."""
+    found = [Column(name, "float", measure.unit, measure.meaning) for name, measure in measures.items()]
+    known = {column.name for column in (*MEASURE_COLUMNS, *found)}
+    found += [
+        Column(name, "float", "", "by how much it is missed, 0 is feasible")
+        for name in constraints
+        if name not in known
+    ]
     fitness = (Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets)
     return (*_OUTCOME, *BODY_COLUMNS, *MEASURE_COLUMNS, *found, *fitness)
 

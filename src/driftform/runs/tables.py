@@ -90,15 +90,13 @@ def check_output(format: str, folder: Path | None = None) -> None:
 def _write(part: Path, study: Study, store: Store, format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and the meaning of their columns into a directory; return how many rows each has."""
     targets = study.scenario.target_names
-    tables: dict[str, Sequence[Column]] = {
-        "evaluations": evaluation_columns(targets, study.make_plugin("fitness").measures)
-    }
+    tables: dict[str, Sequence[Column]] = {"evaluations": list_columns(study, store)}
     write, rows = FORMATS[format], {}
     # What is stored from now on has no row in any table.
     stored = {brief.index for brief in store.read_summaries(())}
     records = track_progress(_read_in_chunks(store, targets, stored), len(stored), "evaluations")
     path = part / f"evaluations.{format}"
-    rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
+    rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records, tables["evaluations"]))
     if trajectories:
         tables["trajectories"] = SAMPLE_COLUMNS
         records = track_progress(_read_in_chunks(store, targets, stored), len(stored), "flights")
@@ -113,17 +111,22 @@ def _read_in_chunks(store: Store, targets: tuple[str, ...], indices: Collection[
         yield from [record for record in store.read_records(targets, first, CHUNK) if record.index in indices]
 
 
-def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
+def list_columns(study: Study, store: Store) -> tuple[Column, ...]:
+    """Return the columns of the evaluations of a run, also of constraints that a plugin names where one is missed."""
+    measures, constraints = study.make_plugin("fitness").measures, store.list_constraints()
+    return evaluation_columns(study.scenario.target_names, measures, constraints)
+
+
+def evaluation_batches(study: Study, records: Iterable[Record], columns: Sequence[Column]) -> Iterator[Batch]:
     """Evaluations in batches of at most :data:`MAX_ROWS`; bodies are built anew from their genomes."""
-    columns = evaluation_columns(study.scenario.target_names, study.make_plugin("fitness").measures)
-    describe = _describer(study)
+    names = [column.name for column in columns]
+    describe = _describer(study, names[names.index(MEASURE_COLUMNS[0].name) : -len(study.scenario.targets)])
     left = iter(records)
     while rows := [describe(record) for record in islice(left, MAX_ROWS)]:
-        yield {column.name: [row[i] for row in rows] for i, column in enumerate(columns)}
+        yield {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
-def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
-    own, usual = list(study.make_plugin("fitness").measures), [column.name for column in MEASURE_COLUMNS]
+def _describer(study: Study, names: Sequence[str]) -> Callable[[Record], tuple[Any, ...]]:
     grammar, builder, fluid = study.make_plugin("grammar"), study.make_plugin("builder"), study.scenario.fluid
 
     def describe(record: Record) -> tuple[Any, ...]:
@@ -145,7 +148,7 @@ def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
             evaluation.seconds,
             record.seed,
             *_body_facts(grammar, builder, fluid, candidate.genome),
-            *(None if isnan(measured.get(name, nan)) else measured[name] for name in (*usual, *own)),
+            *(None if isnan(measured.get(name, nan)) else measured[name] for name in names),
             *evaluation.fitness.tolist(),
         )
 

@@ -24,14 +24,38 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
 
     The body is compared with the bore by its contour, exactly; beyond the inlet the bore continues.
     """
-    if (too_wide := _find_excess_width(body, scenario)) is not None:
-        return too_wide
+    over, wide = _find_excess(body, scenario), body.max_diameter
+    if over["port"]:
+        return (
+            f"it does not pass the port: {show_length(wide)} across, {show_length(over['port'])} more than release.port = "
+            f"{scenario.release.port:g} m: make it narrower (builder.max_radius), or the port wider"
+        )
+    if over["bore"]:
+        return (
+            f"it is too wide for the pipe: {show_length(wide)} across, in a bore of {show_length(wide - over['bore'])}"
+        )
+    released = _find_fault_of_release(body, scenario)
+    return released and released[1]
+
+
+def find_violations(body: Body, scenario: Scenario) -> dict[str, float]:
+    """Return by how much a body is wider than the port and the bore, and beyond the wall or the water where it is released.
+
+    All are in m, by name; 0 for one that can be released. In a pipe with parts the last is its length times the share of its
+    surface that is outside.
+    """
+    released = _find_fault_of_release(body, scenario)
+    return _find_excess(body, scenario) | {"release": released[0] if released else 0.0}
+
+
+def _find_fault_of_release(body: Body, scenario: Scenario) -> tuple[float, str] | None:
+    """Return by how much a body is beyond the wall or the water where it is released, m, and a line on it; ``None`` if it is not."""
     position, axis = scenario.release_position(), scenario.release_axis()
     level = scenario.fluid.water_level
     if level is not None:
         bottom = lowest_along(body.outer, position, axis, np.array([0.0, 0.0, 1.0]))
         if bottom >= level:
-            return (
+            return bottom - level, (
                 f"it is released above the water: its lowest point is at z {bottom:.4g} m, and fluid.water_level is "
                 f"{level:g} m"
             )
@@ -42,33 +66,19 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
         return _find_misfit_in_parts(body, scenario)
     reach = _reach_from_axis(body, position, axis, inlet)
     if reach > inlet.radius * (1 + _ROUNDING):
-        return (
+        return reach - inlet.radius, (
             f"it is released in the wall: it reaches {show_length(reach)} from the axis of a bore with the radius "
             f"{show_length(inlet.radius)}; it is {show_length(body.length)} long: change release.position, pitch_deg or yaw_deg"
         )
     return None
 
 
-def find_violations(body: Body, scenario: Scenario) -> dict[str, float]:
+def _find_excess(body: Body, scenario: Scenario) -> dict[str, float]:
     """Return by how much a body is wider than the port and the bore at the inlet, m, by name; 0 for one that passes."""
     wide, port = body.max_diameter, scenario.release.port or math.inf
     bore = math.inf if scenario.pipe.is_open else 2 * scenario.pipe.layout.inlet.radius
-    return {"port": max(0.0, wide - port), "bore": max(0.0, wide - bore)}
-
-
-def _find_excess_width(body: Body, scenario: Scenario) -> str | None:
-    """Return by how much a body is wider than the port or the bore, in one line; ``None`` if it is not."""
-    over, wide = find_violations(body, scenario), body.max_diameter
-    if over["port"] > _ROUNDING * wide:
-        return (
-            f"it does not pass the port: {show_length(wide)} across, {show_length(over['port'])} more than release.port = "
-            f"{scenario.release.port:g} m: make it narrower (builder.max_radius), or the port wider"
-        )
-    if over["bore"] > _ROUNDING * wide:
-        return (
-            f"it is too wide for the pipe: {show_length(wide)} across, in a bore of {show_length(wide - over['bore'])}"
-        )
-    return None
+    over = {"port": wide - port, "bore": wide - bore}
+    return {name: excess if excess > _ROUNDING * wide else 0.0 for name, excess in over.items()}
 
 
 def _reach_from_axis(body: Body, position: FloatArray, axis: FloatArray, inlet: Opening) -> float:
@@ -90,7 +100,7 @@ def _lies_in_first_straight(body: Body, scenario: Scenario) -> bool:
     return isinstance(first, Straight) and along + float(np.hypot(*body.outer.T).max()) <= first.length
 
 
-def _find_misfit_in_parts(body: Body, scenario: Scenario) -> str | None:
+def _find_misfit_in_parts(body: Body, scenario: Scenario) -> tuple[float, str] | None:
     layout, axis = scenario.pipe.layout, scenario.release_axis()
     across = np.linalg.svd(axis[None])[2][1:]
     angle = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
@@ -106,7 +116,7 @@ def _find_misfit_in_parts(body: Body, scenario: Scenario) -> str | None:
     if not outside.any():
         return None
     x, y, z = points[outside][0].tolist()
-    return (
+    return float(outside.mean()) * body.length, (
         f"it is released in the wall, at x {x:.4g}, y {y:.4g}, z {z:.4g} m; it is {show_length(body.length)} long: "
         "change release.position, pitch_deg or yaw_deg, or begin the pipe with a longer straight"
     )

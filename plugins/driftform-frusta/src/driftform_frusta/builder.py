@@ -334,7 +334,8 @@ def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
         # A cavity that is hardly larger than its core does not become smaller.
         if not holds or solid_of_revolution(bare.cavity).volume < 1.2 * bare.core.volume:
             raise WorkFailedError(
-                f"no wall withstands {needed / 1e5:g} bar and leaves room beside the core: {1000 * wall:g} mm fill the hull"
+                f"no wall withstands {needed / 1e5:g} bar and leaves room beside the core: {1000 * wall:g} mm fill the hull",
+                violations={"pressure": 1 - holds / needed},
             )
         # No part gains more than by the cube of its wall.
         lines = max(lines + 1, math.ceil(lines * (needed / holds) ** (1 / 3) - 1e-9))

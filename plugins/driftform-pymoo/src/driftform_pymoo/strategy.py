@@ -47,8 +47,8 @@ class PymooOptions(Table):
 class PymooStrategy(GenerationStrategy[PymooOptions]):
     """An optimiser of pymoo searches genomes that are vectors, such as those of bspline, for one objective or a front of several.
 
-    A body that cannot be built, released or flown is worse than any that can: among these a smaller sum of violations is
-    better. An optimiser that has converged begins anew.
+    A body that cannot be built, released or flown, or misses a constraint, is worse than any other: among these a smaller
+    sum of violations is better. An optimiser that has converged begins anew.
     """
 
     name = "pymoo"
@@ -92,8 +92,9 @@ class PymooStrategy(GenerationStrategy[PymooOptions]):
 
     def _list_objectives(self, evaluation: Evaluation) -> FloatArray:
         """Return the objectives, less is better; what never happened, such as an arrival, is not feasible."""
-        if evaluation.failure is not None:
-            return np.full(len(self._names), FORBIDDEN + (sum(evaluation.violations.values()) or 1.0))
+        missed = sum(evaluation.violations.values())
+        if evaluation.failure is not None or missed:
+            return np.full(len(self._names), FORBIDDEN + (missed or 1.0))
         found = self._signs * self.read_values(evaluation, self._names, "objectives")
         return found if np.isfinite(found).all() else np.full(len(found), FORBIDDEN)
 

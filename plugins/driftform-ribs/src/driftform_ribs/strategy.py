@@ -167,7 +167,7 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
     def _measure(self, evaluation: Evaluation) -> FloatArray:
         """Return the place of a flight in the archive; NaN if it has none."""
         flight = evaluation.trajectory
-        if evaluation.failure is not None or flight is None:
+        if evaluation.failure is not None or flight is None or any(evaluation.violations.values()):
             return np.full(len(self._names), np.nan)
         if self._cells is not None:
             return station_heights(self._cells, flight, self._stations)

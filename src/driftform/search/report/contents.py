@@ -16,6 +16,7 @@ from driftform.interfaces import Flown, ReportJob
 from driftform.plugins.discovery import find_modules
 from driftform.runs.found import FOUND, read_found
 from driftform.runs.run import StoredRun
+from driftform.runs.status import Missed
 from driftform.runs.store import Store
 from driftform.runs.table_files import evaluation_columns
 from driftform.search.results import BestFlight, draw_overview, map_run, read_best
@@ -27,9 +28,9 @@ from driftform.water import Scenario
 class Contents:
     """Contents of the page of a run.
 
-    ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
-    time of all evaluations on the machines that made them, ``units`` are those of measures. ``causes`` has a picture for each target of what the miss
-    depends on, if enough flights succeeded. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
+    ``commonest_failure`` is the first of the commonest kind of failure, and how many there are, ``missed`` says which
+    constraints are missed. ``seconds`` is the total time of all evaluations on the machines that made them, ``units`` are
+    those of measures. ``causes`` has a picture for each target of what the miss depends on, if enough flights succeeded. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
     that failed to make its own.
     """
 
@@ -38,6 +39,7 @@ class Contents:
     evaluations: int
     failed: int
     commonest_failure: tuple[str, int]
+    missed: str
     seconds: float
     entries: Sequence[BestFlight]
     units: Mapping[str, str]
@@ -68,7 +70,9 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     with run.read() as store:
         if store.count_failed() == store.count():
             raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
-        entries = read_best(run, store)
+        entries, missed = read_best(run, store), Missed()
+        for brief in store.read_summaries(()):
+            missed.add(brief.violations)
         promises = {one.target: one.misses for one in entries if one.misses is not None}
         figures = {
             "Flights and bodies": draw_overview(study, entries, page),
@@ -94,6 +98,7 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             store.count(),
             store.count_failed(),
             store.find_commonest_failure(),
+            str(missed),
             store.total_seconds(),
             entries,
             units,

@@ -52,6 +52,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
         )
         return sleeve, f"a {sleeve.kind} of {sleeve.plug:.4g} mm {place}"
     tried = make_sleeve(0.0, 1, options, seals=True)
+    lacks = {"kit": _find_lack(hull, options) / MM}
     no_sleeve = (
         f"no {tried.kind} of {tried.plug:.4g} mm fits beside the core: on neither side does the hull stay as wide "
         f"as the core for the {tried.lap:.4g} mm of its lap and a wall to hold it"
@@ -59,12 +60,14 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
     if tried.kind == "bayonet":
         raise WorkFailedError(
             f"no kit can be made: {no_sleeve}, with a cavity of {2 * (hull.room(tried.gap) + LUG):.1f} mm or more across there. A larger radius of the hull "
-            "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it"
+            "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it",
+            violations=lacks,
         )
     if options.joint == "sleeve":
-        raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
+        raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less", violations=lacks)
     if options.o_ring:
-        raise WorkFailedError(f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0")
+        no_groove = "and without a sleeve there is no groove for an O-ring: set o_ring to 0"
+        raise WorkFailedError(f"{no_sleeve}, {no_groove}", violations=lacks)
     return _make_rabbet(hull, options), ("joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
 
 
@@ -82,6 +85,19 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
             # The wider mouth takes a wider plug.
             return max(fitting, key=lambda joint: plug_bore(hull, joint))
     return None
+
+
+def _find_lack(hull: Hull, options: KitOptions) -> float:
+    """Return by how much a hull is too narrow beside its core for a plug and for the core to pass, where least, mm."""
+    lacks = []
+    for side in (1, -1):
+        tried = make_sleeve(0.0, side, options, seals=True)
+        away = np.arange(0.0, 4 * hull.reach, STEP)
+        mouth, tip = hull.bore_radius(side * away), np.maximum(away - tried.lap, 0.0)
+        passing = np.maximum.accumulate(hull.room(tried.gap) + LUG * (tried.kind == "bayonet") - mouth)
+        beside = hull.core + tried.gap - hull.beside_core(np.maximum(mouth - tried.gap - tried.plug, 0.0), side * tip)
+        lacks.append(float(np.maximum(passing, beside).min()))
+    return max(_ROUNDING, min(lacks))
 
 
 def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
@@ -174,7 +190,8 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
     if 2 * hull.widest > min(width, depth):
         raise WorkFailedError(
             f"no kit can be made: the hull is {2 * hull.widest:.1f} mm wide, the bed {width:g} x {depth:g} mm, "
-            "and parts are cut across the axis only"
+            "and parts are cut across the axis only",
+            violations={"bed": (2 * hull.widest - min(width, depth)) / MM},
         )
     aft = _cut_side(hull, first, -1, height, options)
     fore = _cut_side(hull, first, 1, height, options)
@@ -260,7 +277,8 @@ def _choose_fewest(
         plans, left = reached, beyond
     raise WorkFailedError(
         f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
-        "few joints of modules have room for a sleeve to cut it into parts that fit"
+        "few joints of modules have room for a sleeve to cut it into parts that fit",
+        violations={"bed": (end - start - height) / MM},
     )
 
 

@@ -147,7 +147,8 @@ def draw_hull(body: Body) -> Hull:
     if (room < body.core.radius and not capsule) or not body.cavity[0, 0] < 0 < body.cavity[-1, 0]:
         raise WorkFailedError(
             f"no kit can be made: a core of {MM * body.core.radius:g} mm radius does not fit into the hull's cavity, whose "
-            f"wall is {MM * room:.2f} mm from its centre"
+            f"wall is {MM * room:.2f} mm from its centre",
+            violations={"kit": max(0.0, body.core.radius - room)},
         )
     skin, bore = contours
     hull = Hull(
