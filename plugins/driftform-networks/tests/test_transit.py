@@ -10,6 +10,8 @@ from driftform_networks.flights.transit import section_means, transit
 from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.planning.following import route
 
+EXACT = tuple(f"simulator.{text}" for text in ("tolerance=1e-9", "max_step=0.02", "step_limit=100000000"))
+
 BORE, SPEED, WIDTH, LEAD = 0.15, 0.3, 0.06, 0.3
 """Of a main, m and m/s; diameter of a sphere, and length of the pipe before its release, m."""
 
@@ -101,8 +103,11 @@ def test_a_body_arrives_with_the_mean_and_the_spread_of_its_pipe(tmp_path):
     [pytest.param(60.0, 100, marks=pytest.mark.long), pytest.param(1000.0, 200, marks=pytest.mark.slow)],
 )
 def test_quantiles_of_a_route_are_those_of_whole_flights(length, count, tmp_path):
-    """To within 0.4 % of the time, a quarter of the spread, and three standard errors; ``-s`` prints them."""
-    path, sphere = tmp_path / "main.inp", open_traveller(f"sphere:{1000 * WIDTH:g}mm")
+    """To within three standard errors of median and spread; ``-s`` prints them.
+
+    The flights are more exact than those of a search, which lose 0.24 % of the way: bodies touch the wall thousands of times.
+    """
+    path, sphere = tmp_path / "main.inp", open_traveller(f"sphere:{1000 * WIDTH:g}mm", settings=EXACT)
     path.write_text(MAIN.format(length=length))
     passage = route(open_network(path, tmp_path), sphere, "a", demand_error=0.0, walks=20_000, cache=tmp_path)
     document = sphere.scenario.model_dump(include={"fluid", "flow", "gusts", "contact"})
@@ -114,12 +119,13 @@ def test_quantiles_of_a_route_are_those_of_whole_flights(length, count, tmp_path
         document["gusts"]["seed"], clock, away = seed, 2 * np.pi * row[1], (BORE - WIDTH) / 2 * 0.999 * np.sqrt(row[0])
         place = away * np.array([np.sin(clock), np.cos(clock)])
         scenarios.append(release(sphere, document, LEAD, place, *draw_attitude(row[2:])))
-    flights = fly(sphere, [scenario for scenario in scenarios if scenario is not None], "in a main")
+    # One at a time: all samples of all flights take gigabytes.
+    flights = (fly(sphere, [scenario], "in a main")[0] for scenario in scenarios if scenario is not None)
     times = np.array([flight.t[-1] for flight in flights if flight is not None and flight.end is End.OUTLET])
     assert len(times) == count
     flown, expected = np.quantile(times, (0.05, 0.5, 0.95)), passage.quantiles[1]
     error = 3 * 1.25 * times.std() / np.sqrt(count)
     print(f"\n{length:g} m: flights {flown.round(1)}, route {expected.round(1)} s, standard error {error / 3:.2f} s")
-    assert expected[1] == pytest.approx(flown[1], rel=0.004, abs=error)
+    assert expected[1] == pytest.approx(flown[1], abs=error)
     # From 5 to 95 % of a normal distribution there are 3.29 standard deviations.
-    assert np.ptp(expected) == pytest.approx(3.29 * times.std(), rel=0.25, abs=3.29 * error)
+    assert np.ptp(expected) == pytest.approx(3.29 * times.std(), rel=3 / np.sqrt(2 * count))
