@@ -19,7 +19,7 @@ from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.loop import run_search
 from driftform.search.pool import Executor
 from driftform.search.results import Best, write_results
-from driftform.search.witness import find_difference
+from driftform.search.witness import find_difference, find_dissent
 from driftform.types import Evaluation
 from driftform.util.files import is_file, read_text, write_text
 from driftform.water.flow import GridFlow
@@ -85,8 +85,10 @@ def advance_run(run: StoredRun, executor: Executor, observer: Observer | None = 
         except DriftformError:
             store.check_place()
             raise
-        if difference := find_difference(run.study, store, {int(best.result["evaluation"]) for best in found}):
-            observer.warn(difference)
+        winners = {int(best.result["evaluation"]) for best in found}
+        for look in (find_difference, find_dissent):
+            if line := look(run.study, store, winners):
+                observer.warn(line)
     if not any(best.problems for best in found):
         files = {best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found}
         results = {best.target: best.result for best in found}
