@@ -127,7 +127,10 @@ ELBOW_AND_TEE = Pipe(
             "branch_radius": 0.2,
             "share": 0.3,
             "roll_deg": 0.0,
-            "branch": [{"kind": "straight", "length": 0.6}, {"kind": "straight", "length": 0.4, "outlet": "a"}],
+            "branch": [
+                {"kind": "straight", "length": 0.5},
+                {"kind": "bend", "radius": 0.5, "angle_deg": 57.29578, "outlet": "a"},
+            ],
         },
         {"kind": "bend", "radius": 1.0, "roll_deg": 90.0},
         {"kind": "straight", "length": 1.0, "outlet": "b"},

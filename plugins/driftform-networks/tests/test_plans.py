@@ -81,6 +81,7 @@ def test_a_battery_lasts_as_long_at_any_hour_of_release(hour, fork_file, tmp_pat
     )
     # The main alone: its end is reached after 470 s, that of the run after 1180 s.
     assert found.measure(found.recorded) == pytest.approx(1 / 3)
+    assert found.value == pytest.approx(1)
 
 
 def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(done, epanet):
