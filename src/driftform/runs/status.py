@@ -78,7 +78,7 @@ class Missed:
         units = {column.name: f" {column.unit}" for column in MEASURE_COLUMNS}
         rows = self._found.items()
         return ", ".join(
-            f"{name} {count} times, by {least:.3g}{units.get(name, '')} or more" for name, (count, least) in rows
+            f"{name} {count} times, by {least:.3g}{units.get(name, ' (SI)')} or more" for name, (count, least) in rows
         )
 
 
