@@ -96,6 +96,7 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(fresh, data):
         assert store.count() == len(written)
         assert store.count_failed() == sum(r.evaluation.failure is not None for r in written)
         flights = dict(store.read_trajectories())
+        assert store.list_constraints() == sorted({name for r in written for name in r.evaluation.violations})
     assert [(r.index, r.candidate, r.seed) for r in read] == [(r.index, r.candidate, r.seed) for r in written]
     sound = {r.index: r.evaluation for r in read if r.evaluation.failure is None and r.evaluation.trajectory}
     assert list(flights) == list(sound)

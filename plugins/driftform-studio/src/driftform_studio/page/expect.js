@@ -6,7 +6,7 @@ const KEPT = "driftform-pace";
 const COSTS = { straight: { flight: 0.16, disturbed: 0.04 }, parted: { flight: 4, disturbed: 0.6 } };
 const START = 12;
 // The junctions whose flow comes with driftform: the branch over the bore, and the angle in degrees.
-const SOLVED = [[0.5, 60], [0.5, 90], [1, 60], [1, 90], [0.25, 90], [0.7, 45], [0.7, 90]];
+const SOLVED = [[0.5, 60], [0.5, 90], [1, 45], [1, 60], [1, 90], [0.25, 90], [0.7, 45], [0.7, 60], [0.7, 90]];
 
 const kind = (isParted) => (isParted ? "parted" : "straight");
 
