@@ -79,25 +79,23 @@ def write(
     svg.add(parent, "text", content, class_=class_, fill=fill, **attributes)
 
 
-def write_title(
-    parent: ET.Element, x: float, base: float, title: str, size: float, width: float, fill: str = INK, bold: bool = True
-) -> None:
-    """Write a title on the line at ``base``: smaller, then on two lines, if it is wider than ``width`` (px).
+def write_title(parent: ET.Element, x: float, base: float, title: str, size: float, width: float) -> None:
+    """Write a title, bold, on the line at ``base``: smaller, then on two lines, if it is wider than ``width`` (px).
 
     Of a title that is longer than two small lines, the words that find no room are left out.
     """
-    size, lines = fit_title(title, size, width, bold)
+    size, lines = fit_title(title, size, width)
     for number, line in enumerate(lines):
-        write(parent, x, base - 1.2 * size * (len(lines) - 1 - number), line, size, fill, bold=bold)
+        write(parent, x, base - 1.2 * size * (len(lines) - 1 - number), line, size, bold=True)
 
 
-def fit_title(title: str, size: float, width: float, bold: bool = True) -> tuple[float, list[str]]:
+def fit_title(title: str, size: float, width: float) -> tuple[float, list[str]]:
     """Return the font size of a title, at most ``size`` px, and its lines, one or two, at most ``width`` px wide."""
     lines: list[str] = []
     # Two lines need the room above the base of one.
     for count, largest, smallest in ((1, size, 0.75 * size), (2, 0.8 * size, 0.6 * size)):
         for smaller in np.arange(largest, smallest - 0.5, -1.0).tolist():
-            lines = fold(" ".join(title.split()), smaller, width, bold)
+            lines = fold(" ".join(title.split()), smaller, width, bold=True)
             if len(lines) <= count:
                 return smaller, lines
     return smaller, lines[:2]
@@ -126,7 +124,7 @@ def start_page(
     root = svg.start_document(page.width, height, title, description, page=page, header=header)
     if not page.is_paper:
         write_title(root, MARGIN, 36, title, 20, page.width - 2 * MARGIN)
-        write_title(root, MARGIN, 58, subtitle, 12, page.width - 2 * MARGIN, MUTED, bold=False)
+        write(root, MARGIN, 58, subtitle, 12, MUTED)
     return root
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.gallery import GalleryEntry, arrange_rows, draw_gallery, group_shared
-from driftform.figures.layout import resample_polyline, start_page
+from driftform.figures.layout import MARGIN, resample_polyline, start_page, text_width
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times
 from driftform.figures.style import INK, MUTED, SCREEN, SERIES, Page, tint
@@ -29,7 +29,7 @@ def overview_svg(
             no target of the flight's name, the closest approach is that to the nearest target.
         scenario: pipe, current and targets; x to the right, z upward, to scale.
         title: a line above the picture.
-        result: what the flights come to, in a few words.
+        result: what the flights come to, in a few words; left out if it does not fit on a line.
         page: on paper, title and result are left out, and the lines of flights differ in their dashes.
 
     The bodies of the gallery share one scale, fore end to the right.
@@ -45,7 +45,10 @@ def overview_svg(
 
     best = ", ".join(f"{f.name} {f.value:.2f} {f.unit}" for f in flights)
     shown = "1 flight" if len(groups) == 1 else f"{len(groups)} flights"
-    subtitle = f"{shown}, solid up to the closest approach and faint after it{f'; {result}' if result else ''}"
+    subtitle = f"{shown}, solid up to the closest approach and faint after it"
+    # A result that does not fit on the line stands in the report.
+    if result and text_width(f"{subtitle}; {result}", 12) <= page.width - 2 * MARGIN:
+        subtitle += f"; {result}"
     description = (
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. By target: {best or 'no flights'}."
