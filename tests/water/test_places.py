@@ -64,6 +64,7 @@ def test_a_place_lies_in_its_part_as_far_off_the_wall_as_it_says(part, at, clock
         ({"part": "straight 1", "off_wall": 0.2}, "the bore has a radius of 0.15 m"),
         ({"part": "straight 1", "branch": True}, "has no branch"),
         ({"part": "straight 1", "clock": 13}, "clock = 13, and should be less than or equal to 12"),
+        ({"part": "straight 1", "hour": 3}, "hour: Extra inputs"),
         ({"at": 1.0}, "needs 'part'"),
     ],
 )

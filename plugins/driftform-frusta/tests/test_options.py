@@ -45,6 +45,7 @@ BESIDE_A_NAME = "0.032798 kg: leave out core_radius and core_mass, or set core t
         ({"wall": 0.002}, "min_radius 0.0025 m must exceed 1.5 times the wall"),
         ({"max_radius": 0.011, "core": "steel-20mm"}, r"less than core, clearance and wall, 0\.01145 m"),
         ({"core": "steal-20mm"}, "did you mean 'steel-20mm'.*'custom'.*tungsten-carbide.*20, 25, 30 mm"),
+        ({"core": "x"}, "core 'x' is not known; there are 'custom', and balls of steel"),
         ({"core": "steel-20mm", "core_mass": 0.04}, BESIDE_A_NAME),
         ({"core": "steel-20mm", "core_radius": 0.012}, BESIDE_A_NAME),
         ({"core_cog": 0.01}, "core_cog' is for a capsule"),

@@ -1,10 +1,8 @@
 """The commands that plugins add, by the hook ``driftform_commands``."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import typer
@@ -13,7 +11,18 @@ from driftform.cli.help import Command, Group, UsageError
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.plugins.discovery import PluginModule, find_modules
 
-BROUGHT_BY: Mapping[str, str] = json.loads(Path(__file__).with_name("brought_by.json").read_text(encoding="utf-8"))
+BROUGHT_BY: Mapping[str, str] = {
+    "body": "driftform-frusta",
+    "calibrate": "driftform-calibration",
+    "check": "driftform-kit",
+    "drop": "driftform-calibration",
+    "export-flow": "driftform-tees",
+    "network": "driftform[networks]",
+    "reproduce": "driftform-paper",
+    "ros": "driftform[ros]",
+    "studio": "driftform[studio]",
+    "trim": "driftform-kit",
+}
 """What to install for the commands that driftform's own plugins add."""
 
 

@@ -1,7 +1,5 @@
 """One flight through the pipe: the path, the attitude, and the closest approach to a target."""
 
-import json
-from importlib.resources import files
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -17,7 +15,6 @@ from driftform.motion.path.targets import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.water import Scenario
 
-_ENDS: dict[str, str] = json.loads(files(__package__).joinpath("ends.json").read_text(encoding="utf-8"))
 _LEFT, _RIGHT = 62.0, 24.0
 _TALLEST = 440.0
 _READABLE = 28.0
@@ -110,6 +107,17 @@ def _write_captions(
         captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
     return [" ".join(captions[:2]), *captions[2:]] if nearest is not None else captions
+
+
+_ENDS = {
+    "outlet": "it left through the outlet",
+    "inlet": "it left through the inlet",
+    "edge of the grid": "it left the grid",
+    "horizon": "it reached the time limit",
+    "non-finite": "the simulation produced a value that is not finite",
+    "step limit": "the simulation reached its step limit",
+    "not converged": "the simulation did not reach its accuracy, so the flight counts as failed",
+}
 
 
 def _draw_view(

@@ -46,7 +46,7 @@ def overview_svg(
     best = ", ".join(f"{f.name} {f.value:.2f} {f.unit}" for f in flights)
     shown = "1 flight" if len(groups) == 1 else f"{len(groups)} flights"
     subtitle = f"{shown}, solid up to the closest approach and faint after it"
-    # A result that does not fit on the line stands in the report.
+    # The report has the results that are too long for the line.
     if result and text_width(f"{subtitle}; {result}", 12) <= page.width - 2 * MARGIN:
         subtitle += f"; {result}"
     description = (

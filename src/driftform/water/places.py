@@ -77,8 +77,10 @@ def resolve_place(value: Any, layout: Layout) -> Any:
         place = Place.model_validate(value)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        said = first["msg"].replace("Input should be", f"= {first['input']!r}, and should be")
-        raise ValueError(f"{'.'.join(map(str, first['loc']))} {said}".strip()) from None
+        key, said = ".".join(map(str, first["loc"])), first["msg"]
+        if said.startswith("Input should be"):
+            raise ValueError(f"{key} = {first['input']!r}, and {said.removeprefix('Input ')}") from None
+        raise ValueError(f"{key}: {said}".removeprefix(": ")) from None
     return place.find_point(layout).tolist()
 
 

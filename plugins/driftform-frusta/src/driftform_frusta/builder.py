@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -11,7 +12,7 @@ import numpy as np
 from pydantic import field_validator, model_validator
 
 from driftform.agent import mass_properties, solid_of_revolution
-from driftform.errors import InputError, WorkFailedError, did_you_mean
+from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Printer, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform.water import Fluid
@@ -110,8 +111,10 @@ class FrustaOptions(Table):
     @classmethod
     def _is_known(cls, name: str) -> str:
         if name != CUSTOM and name not in CORES:
+            close = get_close_matches(name, CORES, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
             raise ValueError(
-                f"core '{name}' is not known{did_you_mean(name, CORES)} There are '{CUSTOM}', and balls of {', '.join(DENSITIES)} with "
+                f"core '{name}' is not known; {hint}there are '{CUSTOM}', and balls of {', '.join(DENSITIES)} with "
                 f"{', '.join(map(str, DIAMETERS_MM))} mm, such as 'steel-20mm', and files, such as 'capsule.csv'"
             )
         return name

@@ -28,7 +28,8 @@ def write_kit(body: Body, options: PartOptions, low: float, high: float) -> tupl
 
     Raises WorkFailedError if no kit can be made of the body; the message has the reason.
     """
-    kit, gland, rows = make_kit(body, options), choose_gland(MM * options.cord), _list_cuts(body, options)
+    kit, gland = make_kit(body, options), choose_gland(MM * options.cord)
+    rows = _list_cuts(body, options, len(kit.joints))
     hull = kit.hull
     values: dict[str, float] = {
         name.lower(): value
@@ -63,9 +64,9 @@ def write_kit(body: Body, options: PartOptions, low: float, high: float) -> tupl
     return fill_source("parameters", **filled), fill_source("parts", **filled)
 
 
-def _list_cuts(body: Body, options: PartOptions) -> dict[str, float]:
-    """Return how a hull is cut into as many parts, and the greatest of the clearances that cut it so, mm."""
-    count, found = len(make_kit(body, options).joints), dict[str, float]()
+def _list_cuts(body: Body, options: PartOptions, count: int) -> dict[str, float]:
+    """Return how a hull is cut by ``count`` joints, and the greatest of the clearances that cut it so, mm."""
+    found = dict[str, float]()
     for clearance in sorted({*_CLEARANCES, MM * options.clearance}):
         with suppress(WorkFailedError):
             kit = make_kit(body, options.model_copy(update={"clearance": clearance / MM}))

@@ -37,8 +37,8 @@ def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], objec
         def command(given: Given) -> None:
             from driftform_networks.output.results import Outputs
 
-            names = ("map", "tables", "report", "agents", "gis", "crs")
-            paths: dict[str, Any] = {name: getattr(given, name, None) for name in names}
+            files = ("map", "tables", "report", "agents", "gis", "crs")
+            paths: dict[str, Any] = {name: getattr(given, name, None) for name in files}
             page = formats.parse_page(given.style, given.width_mm)
             run(given, Outputs(**paths, page=page, json=given.json).check())
 

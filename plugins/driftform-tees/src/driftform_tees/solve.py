@@ -88,9 +88,8 @@ def describe_errors(junction: tee_wall.Junction, found: tee_store.TeePotentials,
 
     Raises WorkFailedError if they are so large that no body should fly by it: the cells are too wide for the edge.
     """
-    wall, head = junction.array(), found.head.copy()
-    head[tee_store.HEAD + tee_store.LEVEL_SIZE - 1 :: tee_store.LEVEL_SIZE] += 2 + len(wall)
-    field = np.concatenate([[1.0, 1.0], wall, head, 0.6 * found.through + 0.4 * found.branch])
+    wall, potential = junction.array(), 0.6 * found.through + 0.4 * found.branch
+    field = tee_flow.pack_field(1.0, False, junction, found.head, potential)
     axes = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [wall[tee_wall.COSINE], 0.0, wall[tee_wall.SINE]]])
     off = 0.0
     for points, along, size, flux in zip(ends, axes, (-1.0, 1.0, junction.branch), (1.0, 0.6, 0.4), strict=True):

@@ -46,13 +46,18 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     if mirrored:
         # The water enters at the mirror image's outlet.
         through = -through - side
-    potential = radius * (through * tee.through + side * tee.branch)
-    head = tee.head.copy()
-    head[HEAD + LEVEL_SIZE - 1 :: LEVEL_SIZE] += _SPLINE
-    sides = [radius, -1.0 if mirrored else 1.0]
-    field = np.concatenate([sides, junction.array(), head, potential])
+    field = pack_field(radius, mirrored, junction, tee.head, radius * (through * tee.through + side * tee.branch))
     field.flags.writeable = False
     return field
+
+
+def pack_field(
+    radius: float, mirrored: bool, junction: Junction, head: FloatArray, potential: FloatArray
+) -> FloatArray:
+    """Return the flow with a potential as :func:`tee_motion` reads it, (n,); ``head`` says where its cells are."""
+    head = head.copy()
+    head[HEAD + LEVEL_SIZE - 1 :: LEVEL_SIZE] += _SPLINE
+    return np.concatenate([[radius, -1.0 if mirrored else 1.0], junction.array(), head, potential])
 
 
 def _find_junction(radius: float, branch: float, angle: float, fillet: float) -> tuple[Junction, bool]:

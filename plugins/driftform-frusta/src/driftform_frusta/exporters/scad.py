@@ -48,8 +48,9 @@ def write_source(job: ExportJob, parts: Sequence[Part], options: PartOptions) ->
         low, high = part.solid.bounds
         radius = max(abs(low[0]), abs(high[0]))
         x += radius
-        ends = (f"lower_end({index})", f"upper_end({index}) - lower_end({index})")
-        lies = ends if kit else (f"{low[2]:.6f}", f"{high[2] - low[2]:.6f}")
+        lies = [f"{low[2]:.6f}", f"{high[2] - low[2]:.6f}"]
+        if kit:
+            lies = [f"lower_end({index})", f"upper_end({index}) - lower_end({index})"]
         turned = str(part.fore_down).lower()
         rows.append(f'    ["{part.name}", {", ".join(lies)}, {turned}, {x:.3f}, "{colour_of(index)}"],')
         x += radius + GAP

@@ -52,23 +52,22 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
         )
         return sleeve, f"a {sleeve.kind} of {sleeve.plug:.4g} mm {place}"
     tried = make_sleeve(0.0, 1, options, seals=True)
-    lacks = {"kit": _find_lack(hull, options) / MM}
     no_sleeve = (
         f"no {tried.kind} of {tried.plug:.4g} mm fits beside the core: on neither side does the hull stay as wide "
         f"as the core for the {tried.lap:.4g} mm of its lap and a wall to hold it"
     )
     if tried.kind == "bayonet":
-        raise WorkFailedError(
+        fault = (
             f"no kit can be made: {no_sleeve}, with a cavity of {2 * (hull.room(tried.gap) + LUG):.1f} mm or more across there. A larger radius of the hull "
-            "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it",
-            violations=lacks,
+            "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it"
         )
-    if options.joint == "sleeve":
-        raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less", violations=lacks)
-    if options.o_ring:
-        no_groove = "and without a sleeve there is no groove for an O-ring: set o_ring to 0"
-        raise WorkFailedError(f"{no_sleeve}, {no_groove}", violations=lacks)
-    return _make_rabbet(hull, options), ("joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
+    elif options.joint == "sleeve":
+        fault = f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less"
+    elif options.o_ring:
+        fault = f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
+    else:
+        return _make_rabbet(hull, options), ("joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
+    raise WorkFailedError(fault, violations={"kit": _find_lack(hull, options) / MM})
 
 
 def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
