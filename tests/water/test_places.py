@@ -90,7 +90,8 @@ def test_a_study_may_name_its_targets_by_places():
 )
 def test_a_target_outside_names_its_distance_and_the_nearest_point_inside(target, distance, nearest):
     with pytest.raises(InputError) as error:
-        load_study("pipe-inspection", [f"targets.TP1={target}"], run={"seed": 0})
+        load_study("pipe-inspection", [f"targets.TP1={target}", "targets.TP2=[99,0,0]"], run={"seed": 0})
+    assert "--set targets.TP2=[99,0,0]: targets.TP2 = [99.0, 0.0, 0.0] lies outside" in str(error.value)
     assert f"lies outside the pipe, {distance} m from it; the nearest point inside is [{nearest}]" in str(error.value)
 
 

@@ -27,7 +27,7 @@ READ = {
     "a track in space": ("t,x,y,z\n0,1,2,3\n", [0], {"": [[1, 2, 3]]}),
     "a height": ("t,z\n0,0.3\n1,0.2\n", [0, 1], {"": [[NONE, 0.3], [NONE, 0.2]]}),
     "decimal commas where semicolons separate": ("t;x;y\n0,033;-1,2E-2;0,5\n", [0.033], {"": [[-0.012, 0.5]]}),
-    "units in centimetres": ("t (s),x (cm),y (cm)\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
+    "units in centimetres": ("t / s,x (cm),y / cm\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
     "units in millimetres": ("time_s\tx_mm\ty_mm\n0\t1\t2\n", [0], {"": [[1, 2]]}, "mm"),
     "minutes": ("t (min),x (mm),y (mm)\n2,1,2\n", [120], {"": [[1, 2]]}, "mm"),
     "pixels": ("t [ms];x [px];y [px]\n1000;1;2\n", [1], {"": [[1, 2]]}, "px"),
@@ -91,8 +91,10 @@ def test_likelihoods_are_read_and_a_guess_is_said(write):
     [
         ("", "is empty"),
         ("a,b\n1,2\n", "no row names its columns: expected t"),
-        ("t,x,y\nnone,none,none\n", "holds no numbers"),
+        ("t,x,y\n,,\n", "holds no numbers"),
+        ("t,x,y\n,1,2\n2025-11-28T10:00:00,1,2\n", "'2025-11-28T10:00:00' in row 2 below the names is not a number"),
         ("t,x (m),y (cm)\n0,1,2\n", "several units: cm, m"),
+        ("t,x (mm),y\n0,1,2\n", "several units: none, mm"),
         ("t (days),x (m)\n0,1\n", "the unit 'days' of its times is not known; take s, "),
         ("scorer,net\n0,1\n", "has no rows 'bodyparts' and 'coords'"),
         ("t,nose_x,nose_y,tail_x,tail_y,tail_z\n0,1,2,3,4,5\n", "some of its points have three coordinates"),
@@ -138,9 +140,9 @@ def test_columns_of_velocities_are_not_points(write):
 @pytest.mark.parametrize(
     ("text", "point", "unit", "t"),
     [
-        (SLEAP, "core", "px", [7, 8]),
-        (TRACKPY, "", "px", [7, 8]),
-        (IMAGEJ, "", "px", [7, 8]),
+        (SLEAP, "core", "", [7, 8]),
+        (TRACKPY, "", "", [7, 8]),
+        (IMAGEJ, "", "", [7, 8]),
         (TRACKMATE.format(unit="pixel", time="sec", first=0.0, second=0.033), "", "px", [0.0, 0.033]),
         (TRACKMATE.format(unit="mm", time="frame", first=7, second=8), "", "mm", [7, 8]),
     ],
@@ -175,12 +177,12 @@ def test_of_several_objects_one_must_be_chosen(write, text, objects, chosen, poi
         read_table(path)
     table = read_table(path, chosen)
     assert table.points[point].tolist() == found
-    assert (table.is_image, table.unit) == ((False, "") if point == "" else (True, "px"))
+    assert table.is_image == (point != "")
     with pytest.raises(InputError, match="has no such object; did you mean"):
         read_table(path, f"{chosen}x")
 
 
-@pytest.mark.parametrize("picture", ["labeled-data/drop/img{}.png", "labeled-data,drop,img{}.png"])
+@pytest.mark.parametrize("picture", ["labeled-data/drop/img{}.png", "labeled-data,drop,2_img{}_v2.png"])
 def test_labels_of_deeplabcut_by_hand_have_the_numbers_of_their_pictures(write, picture):
     gap = "," * picture.count(",")
     rows = "".join(f"{picture.format(n)},{x},20.5\n" for n, x in (("007", 10.5), ("012", 11.5)))
@@ -200,6 +202,7 @@ def test_labels_of_deeplabcut_by_hand_have_the_numbers_of_their_pictures(write, 
         (["1,234", "0.5"], [1234.0, 0.5]),
         (["1.234.567", "2"], [1234567.0, 2.0]),
         (["1\u202f100,5", "1'200,5"], [1100.5, 1200.5]),
+        (["1 100,5", "999,5"], [1100.5, 999.5]),
     ],
 )
 def test_points_and_commas_in_numbers_mean_what_all_of_them_show(write, cells, values):

@@ -111,7 +111,7 @@ def test_a_film_that_begins_long_before_the_release_does_not_jump():
     ("t", "points", "message"),
     [
         (np.arange(3) / 60, np.zeros((3, 2)), "has 3 usable points, at least 5 are needed"),
-        (16.7 * np.arange(9), fall(9)[1], "its times are 16.7 apart: t must be in s"),
+        (16.7 * np.arange(9), fall(9)[1], "its times are 16.7 apart: give --fps N if"),
         (np.arange(9) / 60, np.zeros((9, 2)), "do not move"),
         (np.arange(9) / 60, np.full((9, 2), np.nan), "has 0 usable points"),
     ],
@@ -131,15 +131,21 @@ def test_lengths_are_read_in_the_unit_that_is_named(tmp_path):
         read_track(path, BODY, Reading(unit="inch"))
     named = write_csv(tmp_path / "named.csv", t, 100 * points, "t,x (cm),y (cm)")
     assert read_track(named, BODY, Reading()).points[0] == pytest.approx(points)
-    with pytest.raises(InputError, match="its coordinates are in cm; leave out --unit mm"):
-        read_track(named, BODY, Reading(unit="mm"))
+    for reading, option in ((Reading(unit="mm"), "unit mm"), (Reading(scale=0.01), "scale 0.01")):
+        with pytest.raises(InputError, match=f"its coordinates are in cm; leave out --{option}"):
+            read_track(named, BODY, reading)
 
 
 def test_pixels_need_a_scale_and_point_down(tmp_path):
     t, points = fall()
     path = write_csv(tmp_path / "film.csv", t, points * [500.0, -500.0], "t,x_px,y_px")
-    with pytest.raises(InputError, match="give --scale, the metres per pixel"):
-        read_track(path, BODY, Reading())
+    imagej = write_csv(tmp_path / "imagej.csv", np.arange(40), points * [100.0, -100.0], "Slice,X,Y")
+    for pixels in (path, imagej):
+        with pytest.raises(InputError, match="give --scale, the metres per pixel"):
+            read_track(pixels, BODY, Reading(fps=60.0))
+    assert read_track(imagej, BODY, Reading(unit="cm", fps=60.0)).points[0] == pytest.approx(points), (
+        "of a calibrated picture"
+    )
     found = read_track(path, BODY, Reading(scale=0.002))
     assert found.points[0] == pytest.approx(points)
     assert "y is taken to point down" in found.notes[0]
@@ -172,9 +178,10 @@ def test_the_ends_of_the_body_are_known_and_other_points_must_be_placed(tmp_path
     assert read_track(path, BODY, Reading()).places == (0.1, -0.1)
     placed = read_track(path, BODY, Reading(points={"nose": 0.03}))
     assert placed.places == (0.03, -0.1)
-    path.write_text("\n".join(["t,dot_x,dot_y,ring_x,ring_y", *rows]), encoding="utf-8")
-    with pytest.raises(InputError, match=r"has the points dot, ring; .* --point dot="):
+    path.write_text("\n".join(["t,Dot 1/0/X,Dot 1/0/Y,Dot 2/0/X,Dot 2/0/Y", *rows]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"the points dot 1/0, dot 2/0; .* --point 'dot 1/0=0.01' .* with --object"):
         read_track(path, BODY, Reading())
+    assert read_track(path, BODY, Reading(target="Dot 2/0")).places == (0.0,)
     with pytest.raises(InputError, match=r"--point eye: .* has no such point"):
         read_track(path, BODY, Reading(points={"eye": 0.0}))
 

@@ -173,6 +173,10 @@ def test_cavities_are_inside_and_two_solids_are_refused(tmp_path):
     trimesh.util.concatenate([ball, ball.copy().apply_translation([30, 0, 0])]).export(tmp_path / "two.stl")
     with pytest.raises(InputError, match="several separate solids"):
         read_profile(tmp_path / "two.stl")
+    fin = trimesh.creation.box([14.6, 14.6, 2])
+    trimesh.util.concatenate([ball, fin]).export(tmp_path / "fins.stl")
+    corner = np.hypot(np.hypot(7.3, 7.3), 1) - 10
+    assert read_profile(tmp_path / "fins.stl").deviation == pytest.approx(corner / 20, rel=0.1)
 
 
 def test_mass_centre_and_inertia_are_those_that_were_given():

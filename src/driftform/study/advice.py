@@ -46,6 +46,9 @@ MIN_BEND_RADIUS = 1.0
 MIN_BEND_DEG = 2 * np.pi
 """Angle in degrees below which that of a bend may have been meant in radians; fittings begin at 11.25 degrees (EN 545)."""
 
+MAX_SLIGHT_DEG = 0.2
+"""Angle in degrees of a release below which radians may have been meant; nobody sets an attitude that closely."""
+
 SAMPLED_AGENTS = 12
 """Random agents that are built to see whether they fit."""
 
@@ -115,6 +118,10 @@ class _Advice:
                 f"fluid.viscosity = {fluid.viscosity:g} m2/s is not that of water, about 1e-6: it is kinematic, "
                 "in m2/s (1 cSt is 1e-6)"
             )
+        for name in ("pitch_deg", "yaw_deg", "roll_deg"):
+            angle = getattr(self.scenario.release, name)
+            if 0 < abs(angle) < MAX_SLIGHT_DEG:
+                yield f"release.{name} = {angle:g} is in degrees; did you mean {np.rad2deg(angle):.3g}?"
         if not 1 <= fluid.gravity <= 25:
             yield f"fluid.gravity = {fluid.gravity:g} m/s2 is not the Earth's 9.81: it is in m/s2"
 

@@ -43,11 +43,12 @@ def format_errors(
         elif item["type"] == "missing" and isinstance(names[-1], str):
             lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_name_table(names[:-1])}")
         elif item["type"] in ("value_error", "assertion_error"):
-            message = " ".join(str(item["ctx"]["error"]).split())
-            message = (
-                message or f"{_name_table(path).removeprefix(' in ')} is refused by its plugin, which gives no reason"
-            )
-            lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
+            fault = item["ctx"]["error"]
+            for text in fault.args if type(fault) is ValueError and fault.args else [fault]:
+                message = " ".join(str(text).split()) or (
+                    f"{_name_table(path).removeprefix(' in ')} is refused by its plugin, which gives no reason"
+                )
+                lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
             last = next(key for key in reversed(keys) if isinstance(key, str))
             members = _find_members(_find_annotation(table, last))

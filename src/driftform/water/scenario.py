@@ -1,7 +1,7 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -342,29 +342,28 @@ class Scenario(Table):
             raise ValueError(f"fluid.water_level = {level:g} {fault} (leave fluid.water_level out)")
         if self.pipe.straight is None:
             _check_flow_in_parts(self.flow)
+        if faults := list(self._find_outside()):
+            raise ValueError(*faults)
+        return self
+
+    def _find_outside(self) -> Iterator[str]:
         start = self.release_position()
         if not self.pipe.contains((start[0], start[1], start[2])):
             where = "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
-            raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
-        self._check_targets()
-        return self
-
-    def _check_targets(self) -> None:
+            yield f"release.position = {list(self.release.position)} lies outside the pipe{where}"
         within = self.robustness.within
         for name in within if isinstance(within, dict) else ():
             if name not in self.targets:
-                raise ValueError(f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}")
+                yield f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}"
         outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
         for name, target in self.targets.items():
             if isinstance(target, str):
                 if target not in outlets:
-                    raise ValueError(
-                        f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
-                    )
+                    yield f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
             elif not self.pipe.contains(target):
                 nearest, away = find_nearest_inside(np.array(target), self.pipe.layout)
                 inside = ", ".join(f"{x:.4g}" for x in nearest)
-                raise ValueError(
+                yield (
                     f"targets.{name} = {list(target)} lies outside the pipe, {away:.3g} m from it; the nearest point "
                     f"inside is [{inside}]"
                 )

@@ -108,7 +108,9 @@ def test_the_dimensions_of_a_netcdf_file_may_be_in_any_order(tmp_path, grid, ord
             lambda v: np.where(np.isnan(v), -(2**63), np.rint((np.nan_to_num(v) - 0.5) * 1e9).astype(int)),
         ),
         (each("uvw", units="cm s-1"), "f8", lambda v: 100 * v),
-        (each("uvw", units="kilometers / second"), "f8", lambda v: v / 1000),
+        (each("uvw", units="Kilometers per Second"), "f8", lambda v: v / 1000),
+        (each("uvw", units="m day-1"), "f8", lambda v: 86400 * v),
+        (each("uvw", units="cm/min"), "f8", lambda v: 6000 * v),
         (each("uvw", units="knots"), "f8", lambda v: v * 3600 / 1852),
     ],
 )
@@ -121,10 +123,12 @@ def test_velocities_are_what_the_attributes_of_a_netcdf_file_say(tmp_path, grid,
 
 @pytest.mark.peers
 def test_axes_in_kilometres_are_metres_and_what_is_not_known_is_refused_by_its_attribute(tmp_path, grid):
-    write_netcdf4(tmp_path / "km.nc", VelocityGrid(ORIGIN / 1e3, SPACING / 1e3, grid.velocity), each("xyz", units="km"))
+    write_netcdf4(
+        tmp_path / "km.nc", VelocityGrid(ORIGIN / 1e3, SPACING / 1e3, grid.velocity), each("xyz", units="KiloMetres")
+    )
     agree(read_grid(tmp_path / "km.nc"), grid)
     for attributes, words in [
-        ({"x": {"units": "degrees_east"}}, "has units = 'degrees_east' on x, expected one of m, "),
+        ({"x": {"units": "degrees_east"}}, "has units = 'degrees_east' on x, expected for example m, "),
         ({"v": {"units": "kg"}}, "has units = 'kg' on v"),
         ({"z": {"positive": "Down"}}, "has positive = 'Down' on z"),
         ({"z": {"long_name": "Depth below the surface"}}, "has long_name = 'Depth below"),
@@ -187,20 +191,27 @@ def test_what_is_no_regular_grid_is_refused_in_a_few_words(tmp_path, grid, chang
 
 PEER = pytest.mark.peers
 
+BOMB = b"""<VTKFile type="ImageData"><ImageData WholeExtent="1 3000 1 3000 1 3000" Origin="0 0 0" Spacing="1 1 1">
+<Piece Extent="1 3000 1 3000 1 3000"><PointData></PointData></Piece></ImageData></VTKFile>"""
+
 
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
         ("a.csv", b"", "has no line below its header"),
-        ("a.csv", b"x,y,z,u,v,w\n1,2,3,4,5,six\n", "is not a table of numbers"),
+        ("a.csv", b"x,y,z,u,v,w\n\nm,m,m,m/s,m/s,m/s\n1,2,3,4,5,6\n", "numbers in line 3: 'm'; .* such as x .mm."),
+        ("a.csv", b"x,y,z,u,v,w\n1,2,3,4,5,6\n1,2,3,4,5\n", "numbers in line 3: the number of columns changed"),
+        ("a.csv", b"x,y,z,u,v,w\n" + b"0,1," * 5 + b"0,1\n", "header, but 12 below it; with decimal commas, separate"),
+        ("a.csv", b"x,y,z,u,v,w,vx,vy,vz\n1,2,3,4,5,6,7,8,9\n", "several velocities: u, v, w; vx, vy, vz; keep one"),
         ("a.csv", b"x,y,z,p\n1,2,3,4\n", "has no velocity: it has x, y, z, p"),
-        ("a.csv", b"x,y,z,u [Pa],v,w\n1,2,3,4,5,6\n", "has units = 'Pa' on u, expected one of m/s"),
+        ("a.csv", b"x,y,z,u [Pa],v,w\n1,2,3,4,5,6\n", "has units = 'Pa' on u, expected for example m/s"),
         ("a.stl", b"solid", "the format '.stl' is unknown"),
         *(
             pytest.param("a.nc", content, "is not a NetCDF file that can be read", marks=PEER)
             for content in (b"", b"CDF\x01zzzz", b"\x89HDF\r\n\x1a\n" + bytes(100))
         ),
         *(pytest.param("a.vtk", content, "is not a VTK file", marks=PEER) for content in (b"", b"nonsense\n")),
+        pytest.param("a.vti", BOMB, "has 27000000000 nodes, more than 3000000", marks=PEER),
         *(
             pytest.param("a.vtu", text, "is not a VTK file", marks=PEER)
             for text in (b"", b"<VTKFile></VTKFile>", b"<other/>")
@@ -241,6 +252,12 @@ def test_the_velocities_of_cells_are_averaged_to_the_points(tmp_path, kind):
     expected[-2:, -2:, -2:] = np.nan
     np.testing.assert_allclose(found.velocity[inner], expected[inner], atol=1e-12)
     np.testing.assert_allclose(found.velocity[0, 0, 0], values[0, 0, 0], atol=1e-12)
+    other = numpy_to_vtk(np.zeros((len(hidden), 3)), deep=1)
+    other.SetName("velocity")
+    data.GetCellData().AddArray(other)
+    write_vtk(tmp_path / f"cells.{kind}", data, "Binary")
+    with pytest.raises(ValueError, match="has several velocities: U, velocity; keep one of them"):
+        read_grid(tmp_path / f"cells.{kind}")
 
 
 @pytest.mark.parametrize(
@@ -255,8 +272,9 @@ def test_the_velocities_of_cells_are_averaged_to_the_points(tmp_path, kind):
             [1, 1],
         ),
         ("", [f"{a}-coordinate" for a in "xyz"] + [f"{a}-velocity" for a in "xyz"], "  ", "", [1, 1]),
+        ("% Model,pipe.mph\n", ["% x", "y", "z", *(f"{c} (m/s)" for c in "uvw")], ",", "", [1, 1]),
     ],
-    ids=["semicolons and units", "CFX", "Fluent"],
+    ids=["semicolons and units", "CFX", "Fluent", "COMSOL"],
 )
 def test_tables_are_read_as_other_programs_write_them(tmp_path, grid, before, heads, separator, after, scale):
     table = table_of(grid) * np.repeat(scale, 3)

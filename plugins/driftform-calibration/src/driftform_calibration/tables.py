@@ -30,9 +30,9 @@ PIXEL_PROGRAMS = (
 )
 """Columns by which SLEAP, TrackMate, trackpy, ImageJ and idtracker.ai are known: coordinates are those of a picture."""
 
-_UNIT = re.compile(r"[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+_UNIT = re.compile(r"[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$|\s+/\s*(\w+)\s*$")
 _NUMBER = re.compile(r"[+-]?(\d[\d.,'’\u00a0\u202f]*|[.,]\d+)([eE][+-]?\d+)?")
-_GROUPS = re.compile(r"['’\u00a0\u202f](?=\d{3})")
+_GROUPS = re.compile(r"(?<=\d)[ '’\u00a0\u202f](?=\d{3}(?!\d))")
 _CLOCK = re.compile(r"\d+(:\d\d){1,3}([.,]\d+)?")
 _PIXELS = {"pixel": "px", "pixels": "px"}
 _SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
@@ -98,7 +98,10 @@ def _split_rows(text: str) -> list[list[str]]:
 
 
 def _read_numbers(path: Path, columns: Iterable[Sequence[str]]) -> FloatArray:
-    """Return columns of cells as numbers, (rows, columns); NaN for what is not one."""
+    """Return columns of cells as numbers, (rows, columns); NaN for what is not one.
+
+    Raises InputError if a column has cells, and no number.
+    """
     columns = [[_GROUPS.sub("", cell) for cell in column] for column in columns]
     cells = [cell for column in columns for cell in column if _NUMBER.fullmatch(cell)]
     decimal, group = _find_marks(path, cells)
@@ -116,6 +119,12 @@ def _read_numbers(path: Path, columns: Iterable[Sequence[str]]) -> FloatArray:
     except ValueError as error:
         raise InputError(f"{path}: holds a number that cannot be read: {error}") from None
     numbers[np.isinf(numbers)] = np.nan
+    for column, found in zip(columns, numbers.T, strict=True):
+        if not np.isfinite(found).any() and (filled := [k for k, cell in enumerate(column) if cell]):
+            raise InputError(
+                f"{path}: '{column[filled[0]]}' in row {filled[0] + 1} below the names is not a number: export times in s or as "
+                "hh:mm:ss, and places as plain numbers"
+            )
     if not np.isfinite(numbers).any():
         raise InputError(f"{path}: holds no numbers below its names")
     return numbers
@@ -163,13 +172,14 @@ def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> T
         wanted = _choose(path, [animals[j] for j in columns], target)
         columns = [j for j in columns if animals[j] == wanted]
     body = _even_rows(rows[1 + len(heads) :], max(columns, default=0) + 1)
-    pictures = [re.search(r"(\d+)\D*$", Path(row[first - 1]).stem) for row in body]
-    frames = [found.group(1) if found else row[0] for found, row in zip(pictures, body, strict=True)]
-    numbers = _read_numbers(path, [frames, *zip(*(row[1:] for row in body), strict=True)])
+    counts = zip(*(re.findall(r"\d+", Path(row[first - 1]).stem) for row in body), strict=False)
+    # Of several numbers in the names of pictures, that of the frame differs most; in doubt it is the last.
+    frames = max(reversed([*counts]), key=lambda texts: len(set(texts)), default=[row[0] for row in body])
+    numbers = _read_numbers(path, [frames, *([row[j] for row in body] for j in columns)])
     points: dict[str, FloatArray] = {}
     likelihood: dict[str, FloatArray] = {}
     for name in dict.fromkeys(parts[j] for j in columns):
-        of = {coords[j]: numbers[:, j] for j in columns if parts[j] == name}
+        of = {coords[j]: numbers[:, k] for k, j in enumerate(columns, 1) if parts[j] == name}
         if "x" in of and "y" in of:
             points[name] = np.column_stack([of["x"], of["y"]])
             if "likelihood" in of:
@@ -203,7 +213,7 @@ class _Column:
 def _name_column(text: str) -> _Column | None:
     name, unit = text.strip().lower(), ""
     if (found := _UNIT.search(name)) is not None:
-        name, unit = name[: found.start()], found.group(1)
+        name, unit = name[: found.start()], found.group(1) or found.group(2) or ""
     for suffix in _SUFFIXES:
         if name.endswith(f"_{suffix}"):
             name, unit = name[: -len(suffix) - 1], suffix
@@ -231,9 +241,10 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     body = _join_commas(path, rows[head + 1 :], len(columns), notes)
     if head > 0 and len({column.point for column in columns if column and column.kind in "xyz"}) == 1:
         columns = _choose_columns(path, rows[head - 1], columns, target)
-    individuals = [column.point for column in columns if column and column.kind in "xyz"]
-    if all(map(str.isdigit, individuals)):
-        chosen = _choose(path, individuals, target)
+    names = [column.point for column in columns if column and column.kind in "xyz"]
+    by_points = target is not None and any(names) and not any(column and column.kind == "object" for column in columns)
+    if all(map(str.isdigit, names)) or by_points:
+        chosen = _choose(path, names, target and target.lower())
         columns = [column if column and column.point in ("", chosen) else None for column in columns]
     places: dict[tuple[str, str], int] = {}
     for j, column in enumerate(columns):
@@ -250,18 +261,18 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
         ]
         chosen = _choose(path, [row[j] for row in named], target)
         body = [row for row in named if row[j] == chosen] or body
-    is_frames = ("t", "") not in places or units["t"] == "frame"
+    is_frames = ("t", "") not in places or units["t"] in FRAMES
     cells = ([row[j] for row in body] for j in places.values())
     numbers = dict(zip(places, _read_numbers(path, cells).T, strict=True))
     t = numbers["frame", ""] if is_frames and ("frame", "") in places else numbers["t", ""]
-    names = {cell.lower() for cell in rows[head]} if head >= 0 else set()
-    is_image = any(known <= names for known in PIXEL_PROGRAMS)
+    heads = {cell.lower() for cell in rows[head]} if head >= 0 else set()
+    is_image = any(known <= heads for known in PIXEL_PROGRAMS)
     return TrackTable(
         t * (1.0 if is_frames else _find_second(path, units["t"])),
         _gather_points(path, numbers, is_image),
         is_frames=is_frames,
         is_image=is_image,
-        unit=units["x"] or ("px" if is_image else ""),
+        unit=units["x"],
         notes=tuple(notes),
     )
 
@@ -272,9 +283,10 @@ def _find_units(path: Path, columns: Sequence["_Column | None"], below: Sequence
     for j, column in enumerate(columns):
         if column is not None and column.kind in "txyz":
             words = [column.unit, *(row[j].strip("()") for row in below if row[j].startswith("("))]
-            found["t" if column.kind == "t" else "x"] |= {_PIXELS.get(word, word) for word in words if word}
+            found["t" if column.kind == "t" else "x"] |= {_PIXELS.get(word, word) for word in words if word} or {""}
     if len(found["x"]) > 1:
-        raise InputError(f"{path}: its coordinates have several units: {', '.join(sorted(found['x']))}")
+        units = ", ".join(unit or "none" for unit in sorted(found["x"]))
+        raise InputError(f"{path}: its coordinates have several units: {units}; name one for all")
     return {kind: next(iter(sorted(units)), "") for kind, units in found.items()}
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 import numpy.typing as npt
@@ -108,11 +109,13 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
         raise InputError(f"{path}: has frames and no times; give --fps, the frames per second")
     counts = table.is_frames or bool((np.diff(table.t) == 1.0).all())
     t = np.asarray(table.t / reading.fps) if counts and reading.fps else table.t
-    t = t - np.nanmin(t) if np.nanmin(t) > 1e6 else t  # Time stamps have few digits left for the motion.
+    t = (
+        t - first if (first := np.nanmin(t, initial=np.inf)) > 1e6 else t
+    )  # Time stamps have few digits left for the motion.
     down = table.is_image or reading.scale is not None if reading.y_down is None else reading.y_down
     notes = list(table.notes)
     if down and reading.y_down is None:
-        notes.append("coordinates are pixels, so y is taken to point down (--y-up if it does not)")
+        notes.append("coordinates are those of a picture, so y is taken to point down (--y-up if it does not)")
     flip = np.array([1.0, -1.0] if down and not table.is_spatial else [1.0] * (3 if table.is_spatial else 2))
     points = {name: scale * flip * table.points[name] for name in markers}
     for name, likely in table.likelihood.items():
@@ -143,7 +146,9 @@ def check_track(label: str, track: Track) -> Track:
         raise InputError(f"{label}: has {len(track.t)} usable points, at least {MIN_POINTS} are needed")
     usual = float(np.median(np.diff(track.t)))
     if usual > MAX_INTERVAL:
-        raise InputError(f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames")
+        raise InputError(
+            f"{label}: its times are {usual:g} apart: give --fps N if they are frames, or their unit, as in t (ms)"
+        )
     track = _mend_lost_frames(track, notes)
     _check_jumps(label, track, notes)
     if not track.span > 0:
@@ -152,15 +157,17 @@ def check_track(label: str, track: Track) -> Track:
 
 
 def _find_scale(path: Path, table: TrackTable, reading: Reading) -> float:
+    for option, given, fitting in (("scale", reading.scale, "px"), ("unit", reading.unit, reading.unit)):
+        if given and table.unit not in ("", fitting):
+            raise InputError(f"{path}: its coordinates are in {table.unit}; leave out --{option} {given}")
     if reading.scale is not None:
         return reading.scale
-    if table.unit == "px":
+    # Pictures that ImageJ calibrates have lengths.
+    unit = table.unit or reading.unit or ("px" if table.is_image else "m")
+    if unit == "px":
         raise InputError(f"{path}: its coordinates are pixels; give --scale, the metres per pixel")
-    if reading.unit and table.unit not in ("", reading.unit):
-        raise InputError(f"{path}: its coordinates are in {table.unit}; leave out --unit {reading.unit}")
-    unit = reading.unit or table.unit or "m"
     if unit not in UNITS:
-        raise InputError(f"{path}: unit '{unit}' is not known{did_you_mean(unit, UNITS)}; take m, cm or mm")
+        raise InputError(f"{path}: unit '{unit}' is not known{did_you_mean(unit, UNITS)}")
     return UNITS[unit]
 
 
@@ -180,7 +187,7 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
     if not found:
         raise InputError(
             f"{path}: has the points {', '.join(table.points)}; say where on the axis they are, such as --point "
-            f"{next(iter(table.points))}=0.01 (m from the core's centre, fore positive)"
+            f"{quote(f'{next(iter(table.points))}=0.01')} (m from the core's centre, fore positive), or choose one with --object"
         )
     return found
 

@@ -1,9 +1,10 @@
 """Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK; and nodes without one, filled."""
 
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice, takewhile
+from itertools import chain, count, islice, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 from warnings import catch_warnings
@@ -34,36 +35,16 @@ _PREAMBLE = 50
 LINEAR_LAYERS = 3
 """Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
-_PLACES = (
-    ("x", "y", "z"),
-    ("X", "Y", "Z"),
-    ("Points:0", "Points:1", "Points:2"),
-    ("Points_0", "Points_1", "Points_2"),
-    ("x-coordinate", "y-coordinate", "z-coordinate"),
-)
-_VELOCITIES = (
-    ("u", "v", "w"),
-    ("ux", "uy", "uz"),
-    ("Velocity u", "Velocity v", "Velocity w"),
-    ("x-velocity", "y-velocity", "z-velocity"),
-    ("vx", "vy", "vz"),
-    *(tuple(f"{name}{mark}{i}" for i in range(3)) for name in ("U", "Velocity", "velocity") for mark in ":_"),
-    ("current_x", "current_y", "current_z"),
-)
-_VECTORS = ("U", "velocity", "Velocity", "u")
-"""Names of coordinates, of components of the velocity, and of vectors, in the order in which they are looked for."""
+_NAMES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+"""Names of columns, variables, vectors and units."""
 
-
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3}
+LENGTHS: Mapping[str, float] = _NAMES["lengths"]
 """Units of coordinates, m."""
 
-SPEEDS = {f"{unit}{end}": factor for unit, factor in LENGTHS.items() for end in ("/s", "s-1")} | {
-    **dict.fromkeys(("km/h", "kmh-1"), 1 / 3.6),
-    **dict.fromkeys(("kt", "kts", "knot", "knots"), 1852 / 3600),
-}
-"""Units of velocities, m/s, without spaces and signs of powers."""
-
-_SPELLINGS = (("met(er|re)s?", "m"), ("centi", "c"), ("milli", "m"), ("kilo", "k"), ("seconds?|sec", "s"), ("per", "/"))
+SPEEDS = {f"{m}/{s}": length / time for s, time in _NAMES["times"].items() for m, length in LENGTHS.items()} | _NAMES[
+    "knots"
+]
+"""Units of velocities, m/s."""
 
 
 class _TooLargeError(ValueError):
@@ -138,23 +119,32 @@ def _read_csv(path: Path) -> VelocityGrid:
     with path.open(encoding=encoding, errors="replace") as file:
         first = [*islice(file, _PREAMBLE)]
         heading, separator = _find_heading(first)
-        heads = [name.strip().strip('"') for name in first[heading].split(separator)] if first else [""]
+        heads = [name.strip().strip('"') for name in first[heading].lstrip("%# ").split(separator)] if first else [""]
         below = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
         # CFX writes null where there is no value.
-        rows = (line.replace(",", "." if separator == ";" else ",").replace("null", "nan") for line in below)
+        numbers = count(heading + 2)
+        rows = (
+            line.replace(",", "," if separator == "," else ".").replace("null", "nan")
+            for _, line in zip(numbers, below, strict=False)
+        )
         try:
             with catch_warnings(action="ignore"):
                 table = np.loadtxt(rows, delimiter=separator, ndmin=2)
         except ValueError as error:
-            raise ValueError(f"is not a table of numbers: {error}") from None
+            cell = re.match("could not convert string ('.*') to", str(error))
+            raise ValueError(
+                f"is not a table of numbers in line {next(numbers) - 1}: {cell[1] if cell else error}; it must have numbers alone, "
+                "and units in the names, such as x [mm]"
+            ) from None
     if not table.size:
         raise ValueError("has no line below its header")
     if table.shape[1] != len(heads):
-        raise ValueError(f"has {len(heads)} columns in its header, but {table.shape[1]} below it")
+        hint = "; with decimal commas, separate columns by semicolons" if table.shape[1] == 2 * len(heads) else ""
+        raise ValueError(f"has {len(heads)} columns in its header, but {table.shape[1]} below it{hint}")
     names, units = zip(*map(_split_unit, heads), strict=True)
     columns = dict(zip(names, table.T, strict=True))
-    places = _choose(_PLACES, columns, "coordinates")
-    velocities = _choose(_VELOCITIES, columns, "velocity")
+    places = _choose("coordinates", columns)
+    velocities = _choose("velocity", columns)
     for name, unit in zip(names, units, strict=True):
         if name in places or name in velocities:
             columns[name] = columns[name] * find_unit(name, unit, LENGTHS if name in places else SPEEDS)
@@ -174,8 +164,8 @@ def _find_heading(lines: Sequence[str]) -> tuple[int, str | None]:
     begin = next((number for number, line in enumerate(lines) if line.startswith("[Data]")), 0)
     for number, line in enumerate(lines[begin:], begin):
         separator = next((mark for mark in ";," if mark in line), None)
-        names = {_split_unit(name)[0] for name in line.replace('"', "").split(separator)}
-        if any(names.issuperset(places) for places in _PLACES):
+        names = {_split_unit(name)[0] for name in line.lstrip("%# ").replace('"', "").split(separator)}
+        if any(names.issuperset(places) for places in _NAMES["coordinates"]):
             return number, separator
     return 0, ","
 
@@ -186,10 +176,13 @@ def _split_unit(head: str) -> tuple[str, str]:
     return (found[1], found[2]) if found else (head.strip(), "")
 
 
-def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: str) -> Sequence[str]:
-    for names in known:
-        if all(name in found for name in names):
-            return names
+def _choose(what: str, found: Mapping[str, object]) -> Sequence[str]:
+    known: list[list[str]] = _NAMES[what]
+    several = [names for names in known if all(name in found for name in names)]
+    if len(several) > 1 and what == "velocity":
+        raise ValueError(f"has several velocities: {'; '.join(map(', '.join, several))}; keep one of them")
+    if several:
+        return several[0]
     choices = "; ".join(", ".join(names) for names in known)
     raise ValueError(f"has no {what}: it has {', '.join(map(str, found)) or 'no columns'}, but not {choices}")
 
@@ -197,17 +190,21 @@ def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: s
 def find_unit(name: str, unit: str, known: Mapping[str, float]) -> float:
     """Return a unit, as programs write it, in SI units; 1 for an empty one. Raises ValueError if it is not ``known``."""
     plain = re.sub(r"[\s.*^_]", "", unit)
-    for spelling, short in _SPELLINGS:
-        plain = re.sub(spelling, short, plain)
+    for spelling, short in _NAMES["spellings"].items():
+        plain = re.sub(spelling, short, plain, flags=re.IGNORECASE)
     if plain and plain not in known:
-        raise ValueError(f"has units = '{unit}' on {name}, expected one of {', '.join(known)}")
+        raise ValueError(f"has units = '{unit}' on {name}, expected for example {', '.join([*known][:4])}")
     return known.get(plain, 1.0)
+
+
+def _check_count(nodes: float) -> None:
+    if nodes > MAX_NODES:
+        raise ValueError(f"has {nodes:.0f} nodes, more than {MAX_NODES}")
 
 
 def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
     """Return the grid of nodes in any order; nodes that are left out have no velocity."""
-    if len(points) > MAX_NODES:
-        raise ValueError(f"has {len(points)} nodes, more than {MAX_NODES}")
+    _check_count(len(points))
     if not np.isfinite(points).all():
         raise ValueError("has coordinates that are not finite")
     index, axes = np.empty(points.shape, dtype=np.int64), []
@@ -250,8 +247,8 @@ def _check_axis(name: str, values: FloatArray) -> tuple[float, float, int]:
 def _read_netcdf(path: Path) -> VelocityGrid:
     """Read variables x, y, z with one dimension each, and u, v, w with the three dimensions in any order."""
     variables = _load_variables(path)
-    places = _choose(_PLACES, variables, "coordinates")
-    velocities = _choose(_VELOCITIES, variables, "velocity")
+    places = _choose("coordinates", variables)
+    velocities = _choose("velocity", variables)
     for name in (places[2], velocities[2]):
         attributes = variables[name].attributes
         for key, value in attributes.items():
@@ -343,7 +340,7 @@ def _read_vtk(path: Path) -> VelocityGrid:
         names = [part.GetArrayName(i) for part in parts for i in range(part.GetNumberOfArrays())]
         raise ValueError(
             f"has no velocity: its points and cells have {', '.join(names) or 'no data'}, but not a vector named "
-            f"{', '.join(_VECTORS)}"
+            f"{', '.join(_NAMES['vectors'])}"
         )
     velocity = np.array(vtk_to_numpy(vectors), dtype=np.float64)
     if (valid := data.GetPointData().GetArray("vtkValidPointMask")) is not None:
@@ -359,6 +356,7 @@ def _read_vtk(path: Path) -> VelocityGrid:
 def _load_data_set(path: Path) -> Any:
     """Return the data set of a VTK file. What VTK prints of a damaged file becomes the reason why it is refused."""
     from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
     from vtkmodules.vtkIOLegacy import vtkDataSetReader
     from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
 
@@ -370,13 +368,16 @@ def _load_data_set(path: Path) -> Any:
         for part in ("Vectors", "Scalars", "Fields"):
             getattr(reader, f"ReadAll{part}On")()
     reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    # Of the points of a grid, which the header counts, the reader would make room for all.
+    extent = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
+    _check_count(np.prod(np.diff(np.reshape(extent, (3, 2)).astype(float)) + 1) if extent else 0)
     reader.Update()
     data, printed = reader.GetOutputDataObject(0), str(window.GetOutput())
     if printed or data is None or not data.IsA("vtkDataSet") or not data.GetNumberOfPoints():
         reason = re.search(r"\): (.{0,200})", printed)
         raise ValueError(f"is not a VTK file that can be read{': ' + reason[1] if reason else ''}")
-    if data.GetNumberOfPoints() > MAX_NODES:
-        raise ValueError(f"has {data.GetNumberOfPoints()} nodes, more than {MAX_NODES}")
+    _check_count(data.GetNumberOfPoints())
     return data
 
 
@@ -389,8 +390,11 @@ def _convert(step: Any, data: Any) -> Any:
 
 def _find_vector(data: Any) -> Any:
     """Return the velocity in the data of VTK's points or cells, or ``None``."""
-    arrays = [data.GetArray(name) for name in _VECTORS]
-    return next((array for array in arrays if array is not None and array.GetNumberOfComponents() == 3), None)
+    arrays = [data.GetArray(name) for name in _NAMES["vectors"]]
+    vectors = [array for array in arrays if array is not None and array.GetNumberOfComponents() == 3]
+    if len(vectors) > 1:
+        raise ValueError(f"has several velocities: {', '.join(array.GetName() for array in vectors)}; keep one of them")
+    return vectors[0] if vectors else None
 
 
 _READERS = {".nc": _read_netcdf, **dict.fromkeys((".vtk", ".vti", ".vtr", ".vts", ".vtu"), _read_vtk)}

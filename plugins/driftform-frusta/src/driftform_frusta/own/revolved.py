@@ -60,7 +60,11 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     contour = simplify_contour(_trace_contour(placed, solid))
     if not contour[:, 1].max() > 0:
         raise ValueError("has no volume")
-    deviation = _measure_deviation(placed, contour) / (2 * float(contour[:, 1].max()))
+    # Cavities are within it; other solids may stand out.
+    at = (mesh.vertices - outer.center_mass) @ frame.T
+    out = at[np.hypot(at[:, 0], at[:, 1]) > np.interp(at[:, 2], *contour.T)]
+    every = np.concatenate([placed, np.repeat(out[:, None], 3, axis=1)])
+    deviation = _measure_deviation(every, contour) / (2 * float(contour[:, 1].max()))
     if deviation > limit:
         raise ValueError(
             f"is not a solid of revolution: its surface deviates by {100 * deviation:.1f} % of the diameter from one about "
