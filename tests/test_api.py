@@ -26,9 +26,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 
 def small(**run):
-    return df.load_study(
-        "paper", targets=["TP3", "TP7"], use={"simulator": "native"}, run={"seed": 1, "evaluations": 20, **run}
-    )
+    return df.load_study("paper", targets=["TP3", "TP7"], run={"seed": 1, "evaluations": 20, **run})
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +99,7 @@ def test_an_interrupted_run_goes_on_to_the_same_end(run, tmp_path, monkeypatch):
 
 def test_a_function_is_called_with_what_the_strategy_is_told(tmp_path):
     told = []
-    study = df.load_study("paper", use={"simulator": "native"}, run={"seed": 1, "evaluations": 7, "robust": 0})
+    study = df.load_study("paper", run={"seed": 1, "evaluations": 7, "robust": 0})
     run = df.evolve(
         study, tmp_path / "run", progress=False, on_batch=lambda first, found: told.append((first, len(found)))
     )
@@ -211,7 +209,7 @@ def test_an_agent_flies_again_as_in_its_run(run):
 
 
 def test_other_surroundings_add_up_and_leave_the_agent_as_it_is():
-    agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
+    agent = df.open_agent(WORD, scenario="paper")
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
     assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
     assert (agent.scenario.flow.speed, other.result, other.genome) == (1.0, {}, agent.genome)
@@ -238,7 +236,7 @@ def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warnin
 
 
 def test_facts_are_those_that_inspect_tells():
-    agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
+    agent = df.open_agent(WORD, scenario="paper")
     facts = agent.inspect()
     assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
     assert facts["net_buoyancy"] == pytest.approx(agent.net_buoyancy)

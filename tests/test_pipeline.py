@@ -16,7 +16,7 @@ NOWHERE, ANYWHERE = (np.inf,) * 10, (-np.inf,) * 10
 
 @pytest.fixture(scope="module")
 def pipeline():
-    return load_study("paper", use={"simulator": "native"}).make_pipeline()
+    return load_study("paper").make_pipeline()
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import driftform as df
 
-study = df.load_study("paper", use={"strategy": "ribs", "simulator": "native"}, run={"seed": 1, "evaluations": 500})
+study = df.load_study("paper", use={"strategy": "ribs"}, run={"seed": 1, "evaluations": 500})
 run = df.evolve(study, "runs/reach", progress=False)
 
 points = [(x, 0.0, z) for x in (2.0, 4.5, 7.0) for z in (-0.6, -0.2, 0.2, 0.6)]

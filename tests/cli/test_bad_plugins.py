@@ -1,7 +1,6 @@
 """Plugins that misbehave: one line that names plugin, seam and deed; no traceback, no hang, no wrong result."""
 
 import json
-import re
 import sys
 
 import pytest
@@ -183,13 +182,3 @@ def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(run, tm
     assert json.loads(result.stdout)["evaluations"] == 4
     assert result.stderr.count("mind the gap") == 4
     assert result.stderr.count("mind the other gap") == 4
-
-
-def test_a_fitness_with_a_memory_is_found_at_the_end_of_a_run(call):
-    result = call(*STUDY[:-1], 100, *choose("fitness", "memory"), *RUN)
-    assert result.exit_code == 0, result.stderr
-    [line] = [line for line in result.stderr.splitlines() if line.startswith("warning: ")]
-    assert re.match(
-        r"warning: 4 of 5 evaluations differ when they are flown again in another process, such as 20: fit", line
-    )
-    assert "warning" not in call(*STUDY[:-1], 100, *RUN[:-1], "other").stderr

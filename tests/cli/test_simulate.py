@@ -13,14 +13,15 @@ FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """The word of the paper's Figure 2."""
 
 
-def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call):
-    result = call("simulate", FIGURE_2, "--json", "--out", "flight", "--set", "flight.horizon=1.5")
+@pytest.mark.parametrize(("words", "simulator"), [((), "native"), (("--set", "simulator.use=exudyn"), "exudyn")])
+def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call, words, simulator):
+    result = call("simulate", FIGURE_2, "--json", "--out", "flight", "--set", "flight.horizon=1.5", *words)
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
     assert list(document["fitness"]) == [f"TP{n}" for n in range(1, 11)]
     assert document["end"]["reason"] == "horizon"
     assert document["end"]["t"] == pytest.approx(1.5)
-    assert document["simulator"] == "exudyn"
+    assert document["simulator"] == simulator
     table = np.loadtxt(document["trajectory"], delimiter=",", skiprows=1)
     assert document["trajectory"] == str(Path("flight", "trajectory.csv"))
     assert table[-1, 0] == pytest.approx(document["end"]["t"], rel=1e-6)

@@ -19,7 +19,7 @@ STRAIGHT = ("flow.kind=uniform", "release.position=[1,0,0]", "release.pitch_deg=
 @pytest.fixture(scope="module")
 def design():
     """An agent of `paper` by the native simulator."""
-    return df.open_agent(GENOME, use={"simulator": "native"}, scenario="paper")
+    return df.open_agent(GENOME, scenario="paper")
 
 
 def test_many_steps_end_where_one_flight_does(design):

@@ -30,7 +30,7 @@ def agent():
 @pytest.fixture(scope="module")
 def flown():
     """A random agent's flight through the paper's pipe, up to its first contact with the wall."""
-    study = load_study("paper", use={"simulator": "native"}, run={"seed": 0})
+    study = load_study("paper", run={"seed": 0})
     pipeline = study.make_pipeline()
     found = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(5)))
     [trajectory] = pipeline.fly([found])

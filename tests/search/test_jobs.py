@@ -35,7 +35,7 @@ def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds):
 
 
 def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores():
-    study = load_study("paper", targets=["TP2", "TP6"], run={"seed": 1}, use={"simulator": "native"})
+    study = load_study("paper", targets=["TP2", "TP6"], run={"seed": 1})
     pipeline = study.make_pipeline()
     genome = pipeline.grammar.random(np.random.default_rng(1))
     [condition] = draw_conditions(study.scenario.robustness, 1, (1,))
@@ -51,9 +51,7 @@ def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores():
 
 @pytest.mark.parametrize("conditions", [0, 5])
 def test_a_rehearsal_is_one_flight_under_the_conditions_of_the_study(conditions):
-    study = load_study(
-        "paper", ["flight.horizon=0.2", f"robustness.conditions={conditions}"], use={"simulator": "native"}
-    )
+    study = load_study("paper", ["flight.horizon=0.2", f"robustness.conditions={conditions}"])
     pipeline, flown = study.make_pipeline(), []
 
     class Observed(type(pipeline.simulator)):  # type: ignore[misc]

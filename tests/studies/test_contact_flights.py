@@ -38,7 +38,7 @@ class Flown:
 
 @pytest.fixture(scope="module")
 def agents():
-    pipeline, rng = load_study("paper", use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
+    pipeline, rng = load_study("paper").make_pipeline(), np.random.default_rng(2)
     genomes = [pipeline.grammar.random(rng) for _ in range(1000)]
     return lambda count: [pipeline.make_agent(genome) for genome in genomes[:count]]
 

@@ -56,7 +56,7 @@ def test_the_experiment_is_repeated_and_told(simulator, start, publish, tmp_path
 
 
 def test_a_sphere_that_is_tuned_passes_every_target_of_the_paper(publish):
-    study = load_study("paper", ["builder.tuning=wall"], use={"simulator": "native"})
+    study = load_study("paper", ["builder.tuning=wall"])
     pipeline = study.make_pipeline()
     spheres = tune_baselines(study, InProcess(pipeline), range(10))
     flights = pipeline.evaluate([sphere.genome for sphere in spheres.values()])

@@ -137,7 +137,7 @@ def true_errors(sound, settings, workers):
     They are flown again to 0.01 mm, in gusts to 0.1 mm. What no tolerance fixes has no exact flight.
     """
     tight = ("simulator.tolerance=1e-9", "simulator.accuracy=1e-5", "simulator.tightest=1e-12")
-    exact = load_study("paper", [*settings, *tight], use={"simulator": "native"}).make_pipeline()
+    exact = load_study("paper", [*settings, *tight]).make_pipeline()
     again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
     errors = []
     for flown, trajectory in zip(sound, again, strict=True):
@@ -161,9 +161,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, p
     ]
     unsound, beyond, checked = [], 0, 0
     for name, settings in SURROUNDINGS.items():
-        study = load_study(
-            "paper", [f"grammar.occupied='{occupied}'", *settings], use={"simulator": "native"}, run={"seed": SEED}
-        )
+        study = load_study("paper", [f"grammar.occupied='{occupied}'", *settings], run={"seed": SEED})
         pipeline, counts = study.make_pipeline(), Counter()
         sound, failed, found = [], [], []
         for flown in flights_of(study, name in WITH_DRAG, count, workers):

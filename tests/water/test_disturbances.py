@@ -187,7 +187,7 @@ def test_the_normals_of_a_direction_are_square_to_it_and_to_each_other(direction
 
 
 def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
-    pipeline = load_study("paper", use={"simulator": "native"}).make_pipeline()
+    pipeline = load_study("paper").make_pipeline()
     conditions = draw_conditions(Robustness(), 3, (5,))
     rng = np.random.default_rng(1)
     first, second = pipeline.grammar.random(rng), pipeline.grammar.random(rng)

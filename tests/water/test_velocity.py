@@ -405,7 +405,7 @@ def test_the_rate_of_a_gust_is_its_change_along_the_path_of_the_water(r, turn, t
 
 
 def test_a_body_with_drag_meets_gusts_that_differ_along_it_and_one_without_does_not():
-    pipeline = load_study("paper", ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
+    pipeline = load_study("paper", ["hydrodynamics.drag=strips"]).make_pipeline()
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(1)))
     ideal = replace(agent, coefficients=replace(agent.coefficients, drag=None))
     for crossing, body, differs in ((0.5, agent, True), (0.0, agent, False), (0.5, ideal, False)):

@@ -17,9 +17,7 @@ def test_exudyn_flies_without_the_native_integrator(monkeypatch):
     for module, name in ((error, "integrate"), (error, "integrate_once"), (error, "take_all_steps")):
         monkeypatch.setattr(module, name, refuse)
     with pytest.raises(AssertionError, match="native"):
-        load_study("paper", use={"simulator": "native"}).make_pipeline().simulator.simulate(
-            PIPELINE.make_agent(GENOMES[0]), PIPELINE.scenario
-        )
+        load_study("paper").make_pipeline().simulator.simulate(PIPELINE.make_agent(GENOMES[0]), PIPELINE.scenario)
     [checked] = PIPELINE.evaluate(GENOMES[:1])
     [unchecked] = PIPELINE.evaluate(GENOMES[:1], thresholds=[(100.0,) * 10])
     assert checked.trajectory.error <= 1e-3 and unchecked.trajectory.error is None

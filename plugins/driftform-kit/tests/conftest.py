@@ -13,7 +13,7 @@ WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tilt
 
 @pytest.fixture(scope="session")
 def opened():
-    return open_agent(WORD, "paper", use={"simulator": "native"})
+    return open_agent(WORD, "paper")
 
 
 @pytest.fixture(scope="session")

@@ -117,7 +117,7 @@ def test_millimetres_in_a_format_of_metres(check_mesh, mesh, written):
 
 @pytest.mark.long
 def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh, tmp_path):
-    thin = open_agent("C", "paper", settings=["builder.wall=0.0002"], use={"simulator": "native"})
+    thin = open_agent("C", "paper", settings=["builder.wall=0.0002"])
     path = tmp_path / "thin.stl"
     thin.study.make_exporter("stl").write(thin.export_job(), path)
     found = check_mesh(path, **known(thin))
@@ -192,7 +192,7 @@ def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh, written):
 
 
 def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh, sound):
-    other = open_agent("addB-tiltn-1-M-moveB", "paper", use={"simulator": "native"})
+    other = open_agent("addB-tiltn-1-M-moveB", "paper")
     found = check_mesh(sound, **known(other))
     assert states(found) == alone("mass")
 

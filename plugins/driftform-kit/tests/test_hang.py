@@ -24,7 +24,7 @@ WATER = ["fluid.density=999.1", "fluid.expansion=1.51e-4", "fluid.celsius=15"]
 @pytest.fixture(scope="module")
 def design():
     neutral = ["builder.core_mass=0.02507", "flow.speed=2.0", "flight.horizon=3.0"]
-    return open_agent(WORD, "paper", [*neutral, *WATER], use={"simulator": "native"})
+    return open_agent(WORD, "paper", [*neutral, *WATER])
 
 
 @pytest.mark.parametrize("celsius", [5.0, 15.0, 24.0])

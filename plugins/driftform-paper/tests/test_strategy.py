@@ -5,7 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from driftform import Study, load_study
 from driftform.interfaces import SearchSpace, Table
+from driftform.motion.path.targets import approach_targets
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Evaluation
@@ -153,3 +155,23 @@ def test_a_generation_that_the_budget_cuts_leaves_the_other_populations_as_they_
     third = strategy.ask(8)
     assert {p for c in third if c.target == "left" for p in c.parents} <= set(range(8, 12))
     assert {p for c in third if c.target == "right" for p in c.parents} <= set(range(4, 8))
+
+
+@pytest.mark.long
+def test_a_search_is_the_same_by_either_simulator_within_their_stated_errors():
+    studies = [
+        load_study("paper", targets=["TP5"], use={"simulator": use}, run={"seed": 1}) for use in (None, "exudyn")
+    ]
+    strategies, pipelines = ([make(study) for study in studies] for make in (Study.make_strategy, Study.make_pipeline))
+    assert [pipeline.simulator.name for pipeline in pipelines] == ["native", "exudyn"]
+    for first in range(0, 30, 10):
+        asked = [strategy.ask(10) for strategy in strategies]
+        assert asked[0] == asked[1]
+        flown = [pipeline.evaluate([candidate.genome for candidate in asked[0]]) for pipeline in pipelines]
+        for strategy, found in zip(strategies, flown, strict=True):
+            strategy.tell(first, found)
+        for one, other in zip(*flown, strict=True):
+            assert one.fitness == pytest.approx(other.fitness, abs=0.002)
+            flights = (one.trajectory, other.trajectory)
+            miss, other_miss = (approach_targets(flight, studies[0].scenario)[0] for flight in flights)
+            assert np.abs(miss - other_miss).max() < sum(flight.error for flight in flights)

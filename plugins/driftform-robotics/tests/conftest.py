@@ -23,7 +23,7 @@ from driftform_robotics.models.uuv import UuvExporter
 
 @pytest.fixture(scope="session")
 def study():
-    return load_study("paper", use={"simulator": "native"}, run={"seed": 0})
+    return load_study("paper", run={"seed": 0})
 
 
 def _random_agent(study, seed, drag):

@@ -164,7 +164,7 @@ def test_a_current_in_the_frame_of_the_agent_is_turned_and_one_that_cannot_be_is
 
 def design_of(*settings):
     given = ("release.pitch_deg=20", *settings)
-    return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
+    return df.open_agent(WORD, *given, scenario="paper")
 
 
 def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(master):

@@ -21,7 +21,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 def make_design(*settings):
     given = ("release.pitch_deg=20", *settings)
-    return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
+    return df.open_agent(WORD, *given, scenario="paper")
 
 
 class MemoryBus(RospyBus):
