@@ -1,11 +1,16 @@
-"""The covariance of a fit, against linear least squares in closed form and against the scatter of repeated films."""
+"""The covariance of a fit, against linear least squares in closed form and against the scatter of repeated films; intervals."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from driftform_calibration.problem import Parameter
+from driftform_calibration.bench import Bench
+from driftform_calibration.experiment import _choose
+from driftform_calibration.fit import _find_interval
+from driftform_calibration.problem import PRIOR, Parameter
+from driftform_calibration.protocol import Drop
 from driftform_calibration.solution import (
     ROBUST,
     Solution,
@@ -23,6 +28,8 @@ class Lines:
     The unknowns are a and b; each film may have its own noise, by which residuals are divided. An earlier fit has counted
     the first ``early`` points of each film.
     """
+
+    names = ("cross_drag", "axial_drag")
 
     def __init__(self, seen, noise, prior_rows=None, t=None, early=0):
         self.early = early
@@ -96,6 +103,27 @@ def test_the_covariance_of_white_residuals_is_that_of_the_normal_equations():
         variance = float(((A @ x - u) ** 2).sum()) / 398
         found = estimate_covariance(lines, x)
         assert found == pytest.approx(variance * np.linalg.inv(A.T @ A), rel=4e-3, abs=1e-12)
+
+
+def test_nine_of_ten_intervals_of_films_with_six_points_hold_the_truth():
+    """Two unknowns leave four degrees of freedom: the normal distribution, or six of them, would hold 83 or 88 % (Student 1908)."""
+    held = []
+    for u in np.random.default_rng(9).normal(size=(5000, 6)):
+        lines = Lines([u], [100.0])
+        x = lines.solve()
+        covariance = estimate_covariance(lines, x)
+        low, _, high = _find_interval(Solution(lines, x, covariance), 1, x, np.sqrt(np.diag(covariance)))
+        # The factor of the true slope, 0.
+        held.append(low < 1.0 < high)
+    assert np.mean(held) == pytest.approx(0.9, abs=0.01)
+
+
+def test_a_drop_that_shows_nothing_is_expected_to_leave_what_is_known_before(design):
+    bench = Bench.of(design.pipeline, design.agent.morphology)
+    drop = Drop(bench.scenario, 1.0, "time", 0.0, np.zeros((2, 2)))
+    _, expected = _choose([(drop, np.zeros((1, 1)))], ("cross_drag",), bench, 1)
+    # A factor is exp(w): half of its interval from exp(-w) to exp(w) is sinh(w), and nine of ten normal errors are below w.
+    assert math.erf(math.asinh(expected["cross_drag"][0]) / (math.sqrt(2) * PRIOR)) == pytest.approx(0.9)
 
 
 def test_what_is_known_before_and_every_film_add_their_information():

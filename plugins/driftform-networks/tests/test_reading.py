@@ -157,6 +157,8 @@ def test_what_is_closed_stays_closed_whatever_controls_and_rules_want(tmp_path):
     """With a loop, so that closing one pipe cuts nobody off."""
     text = FORK.replace("[OPTIONS]", " loop ahead branch 200 300 100 0 Open\n[CONTROLS]\n LINK side OPEN AT TIME 1\n"
         "[RULES]\nRULE 1\nIF SYSTEM TIME > 2\nTHEN PIPE side STATUS IS OPEN\n[OPTIONS]").replace("Duration 0", "Duration 5")  # fmt: skip
+    with pytest.raises(InputError, match=r"shorten Duration in \[TIMES\]$"):
+        open_changed(tmp_path, text.replace("Duration 5", "Duration 5000000"))
     network = open_changed(tmp_path, text, close=("side",))
     side = network.links.index("side")
     assert len(network.hydraulics.times) >= 5

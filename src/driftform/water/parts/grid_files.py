@@ -1,12 +1,13 @@
 """Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK; and nodes without one, filled."""
 
+import csv
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, count, islice, takewhile
+from itertools import chain, count, islice, product, takewhile
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 from warnings import catch_warnings
 
 import numpy as np
@@ -17,8 +18,6 @@ from driftform.util import foreign
 from driftform.util.files import find_encoding
 
 __all__ = ["VelocityGrid", "fill_nodes", "read_grid"]
-
-Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
 MAX_NODES = 3_000_000
 """Most nodes of a grid: their velocities take 72 MB, and to read and to fill them takes 500 MB."""
@@ -119,39 +118,48 @@ def _read_csv(path: Path) -> VelocityGrid:
     with path.open(encoding=encoding, errors="replace") as file:
         first = [*islice(file, _PREAMBLE)]
         heading, separator = _find_heading(first)
-        heads = [name.strip().strip('"') for name in first[heading].lstrip("%# ").split(separator)] if first else [""]
-        below = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
-        # CFX writes null where there is no value.
-        numbers = count(heading + 2)
+        heads = [_split_unit(cell) for cell in _split_cells(first[heading], separator)] if first else []
+        names, units = [name for name, _ in heads], dict(heads)
+        places, velocities = _choose("coordinates", units), _choose("velocity", units)
+        below = chain(first[heading + 1 :], file)
+        number = count(heading + 2)
+        # CFX writes null where there is no value, and what else it knows of the surface after the table.
         rows = (
             line.replace(",", "," if separator == "," else ".").replace("null", "nan")
-            for _, line in zip(numbers, below, strict=False)
+            for _, line in zip(number, takewhile(lambda line: not line.startswith("["), below), strict=False)
         )
+        wide = next((len(_split_cells(line, separator)) for line in first[heading + 1 :] if line.strip()), len(names))
+        if wide != len(names):
+            hint = "; with decimal commas, separate columns by semicolons" if wide == 2 * len(names) else ""
+            raise ValueError(f"has {len(names)} columns in its header, but {wide} below it{hint}")
+        used = [*places, *velocities, *({"vtkValidPointMask"} & units.keys())]
         try:
             with catch_warnings(action="ignore"):
-                table = np.loadtxt(rows, delimiter=separator, ndmin=2)
+                table = np.loadtxt(
+                    rows,
+                    delimiter=separator,
+                    ndmin=2,
+                    usecols=[names.index(name) for name in used],
+                    quotechar='"',
+                    max_rows=MAX_NODES + 1,
+                )
         except ValueError as error:
             cell = re.match("could not convert string ('.*') to", str(error))
             raise ValueError(
-                f"is not a table of numbers in line {next(numbers) - 1}: {cell[1] if cell else error}; it must have numbers alone, "
-                "and units in the names, such as x [mm]"
+                f"is not a table of numbers in line {next(number) - 1}: {cell[1][:40] if cell else error}; it must have numbers alone, "
+                "nan where there are none, and units in the names, such as x [mm]"
             ) from None
     if not table.size:
         raise ValueError("has no line below its header")
-    if table.shape[1] != len(heads):
-        hint = "; with decimal commas, separate columns by semicolons" if table.shape[1] == 2 * len(heads) else ""
-        raise ValueError(f"has {len(heads)} columns in its header, but {table.shape[1]} below it{hint}")
-    names, units = zip(*map(_split_unit, heads), strict=True)
-    columns = dict(zip(names, table.T, strict=True))
-    places = _choose("coordinates", columns)
-    velocities = _choose("velocity", columns)
-    for name, unit in zip(names, units, strict=True):
-        if name in places or name in velocities:
-            columns[name] = columns[name] * find_unit(name, unit, LENGTHS if name in places else SPEEDS)
-    missing = columns.get("vtkValidPointMask", np.ones(len(table))) == 0
-    return _sort_nodes(
-        np.stack([columns[n] for n in places], axis=1),
-        np.where(missing[:, None], np.nan, np.stack([columns[n] for n in velocities], axis=1)),
+    table[:, :6] *= [find_unit(name, units[name], LENGTHS if name in places else SPEEDS) for name in used[:6]]
+    table[(table[:, 6:] == 0).any(axis=1), 3:] = np.nan
+    return _sort_nodes(table[:, :3], table[:, 3:6])
+
+
+def _split_cells(line: str, separator: str | None) -> list[str]:
+    line = line.lstrip("%# ")
+    return (
+        line.split() if separator is None else next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
     )
 
 
@@ -164,7 +172,7 @@ def _find_heading(lines: Sequence[str]) -> tuple[int, str | None]:
     begin = next((number for number, line in enumerate(lines) if line.startswith("[Data]")), 0)
     for number, line in enumerate(lines[begin:], begin):
         separator = next((mark for mark in ";," if mark in line), None)
-        names = {_split_unit(name)[0] for name in line.lstrip("%# ").replace('"', "").split(separator)}
+        names = {_split_unit(cell)[0] for cell in _split_cells(line, separator)}
         if any(names.issuperset(places) for places in _NAMES["coordinates"]):
             return number, separator
     return 0, ","
@@ -172,7 +180,7 @@ def _find_heading(lines: Sequence[str]) -> tuple[int, str | None]:
 
 def _split_unit(head: str) -> tuple[str, str]:
     """Return the name of a column, and the unit in brackets after it; the unit is empty if there is none."""
-    found = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", head.strip())
+    found = re.fullmatch(r"(.*?)\s*[\[(]([^\[(]*)[\])]", head.strip())
     return (found[1], found[2]) if found else (head.strip(), "")
 
 
@@ -199,7 +207,7 @@ def find_unit(name: str, unit: str, known: Mapping[str, float]) -> float:
 
 def _check_count(nodes: float) -> None:
     if nodes > MAX_NODES:
-        raise ValueError(f"has {nodes:.0f} nodes, more than {MAX_NODES}")
+        raise ValueError(f"has {nodes:.0f} nodes or more; at most {MAX_NODES} are read")
 
 
 def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
@@ -293,12 +301,13 @@ def _load_variables(path: Path) -> dict[str, _Variable]:
     """Return the variables with numbers; netCDF4 unpacks them, and masks fill values and what is out of the valid range."""
     import netCDF4
 
-    found = {}
+    found, where = {}, ""
     try:
         with netCDF4.Dataset(path) as file:
             for name, variable in file.variables.items():
                 if getattr(variable.dtype, "kind", "") not in "fiu":
                     continue
+                where = f" in its variable {name}"
                 if variable.size > MAX_NODES:
                     raise _TooLargeError(
                         f"has {variable.size} values in the variable {name}; a grid has at most {MAX_NODES} nodes"
@@ -314,7 +323,8 @@ def _load_variables(path: Path) -> dict[str, _Variable]:
         raise
     except Exception as error:
         # Damaged files raise whatever the first wrong byte leads to: KeyError, RuntimeError, MemoryError and others.
-        raise ValueError(f"is not a NetCDF file that can be read: {describe_error(error)}") from None
+        reason = error.strerror if isinstance(error, OSError) else describe_error(error)
+        raise ValueError(f"is not a NetCDF file that can be read{where}: {reason}") from None
     return found
 
 
@@ -410,31 +420,21 @@ def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
     """
     from scipy.ndimage import distance_transform_edt
 
-    values: FloatArray = np.where(known[..., None], velocity, 0.0)
-    known = known.copy()
     if not known.any():
         raise ValueError("has no node in the pipe: do their origins and units agree?")
+    # With two layers of nodes around that stay unknown, for the second neighbours of the outermost.
+    values = np.pad(np.where(known[..., None], velocity, 0.0), [*[(2, 2)] * 3, (0, 0)])
+    known, inside = np.pad(known, 2), np.pad(np.ones_like(known), 2)
     for _ in range(LINEAR_LAYERS):
         total, count = np.zeros_like(values), np.zeros(known.shape)
-        for axis in range(3):
-            for step in (-1, 1):
-                near, far = (_neighbour(values, axis, k * step) for k in (1, 2))
-                both = _neighbour(known, axis, step) & _neighbour(known, axis, 2 * step)
-                total += np.where(both[..., None], 2 * near - far, 0.0)
-                count += both
-        new = ~known & (count > 0)
+        for axis, step in product(range(3), (1, -1)):
+            near, far = (np.roll(values, k * step, axis) for k in (1, 2))
+            both = np.roll(known, step, axis) & np.roll(known, 2 * step, axis)
+            total += np.where(both[..., None], 2 * near - far, 0.0)
+            count += both
+        new = inside & ~known & (count > 0)
         values[new] = total[new] / count[new, None]
         known |= new
+    values, known = values[2:-2, 2:-2, 2:-2], known[2:-2, 2:-2, 2:-2]
     nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
     return np.asarray(values[tuple(nearest)])
-
-
-def _neighbour(values: Nodes, axis: int, step: int) -> Nodes:
-    """Return the values ``step`` nodes further along an axis, 0 beyond the last."""
-    shifted = np.zeros_like(values)
-    here, there = [slice(None)] * values.ndim, [slice(None)] * values.ndim
-    here[axis], there[axis] = (
-        (slice(None, -step), slice(step, None)) if step > 0 else (slice(-step, None), slice(None, step))
-    )
-    shifted[tuple(here)] = values[tuple(there)]
-    return shifted

@@ -102,7 +102,8 @@ def run_epanet(path: Path, changes: Changes | None = None) -> dict[str, Any]:
                 found["hydraulics.warnings"] = np.array([*warnings, _NO_UNITS], np.str_)
             return found
         except InputError as error:
-            said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{_find_suspect(text)}"]
+            suspect = _find_suspect(text) if str(error).startswith("Error ") else ""
+            said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{suspect}"]
             more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
             raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}") from None
         except ValueError as error:
