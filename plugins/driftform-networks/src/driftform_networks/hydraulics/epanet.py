@@ -102,13 +102,14 @@ def run_epanet(path: Path, changes: Changes | None = None) -> dict[str, Any]:
                 found["hydraulics.warnings"] = np.array([*warnings, _NO_UNITS], np.str_)
             return found
         except InputError as error:
-            suspect = _find_suspect(text) if str(error).startswith("Error ") else ""
-            said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{suspect}"]
+            said = _read_errors(copy.with_suffix(".rpt"), text) or [
+                f"{error}{_find_suspect(text, 'Error 200' in str(error))}"
+            ]
             more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
             raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}") from None
         except ValueError as error:
             raise InputError(
-                f"{path}: {error}{_find_suspect(text)}: open it in EPANET, and correct what it marks"
+                f"{path}: {error}{_find_suspect(text, True)}: open it in EPANET, and correct what it marks"
             ) from None
         finally:
             stop.set()
@@ -140,14 +141,17 @@ def _read_errors(report: Path, text: str) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _find_suspect(text: str) -> str:
-    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty without such a line."""
+def _find_suspect(text: str, is_silent: bool) -> str:
+    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty without such a line.
+
+    EPANET ``is_silent`` if it names no line itself: then rules may be at fault.
+    """
     for number, line in enumerate(text.splitlines(), 1):
         for word in line.partition(";")[0].split():
             if len(word.encode()) > 31 or _BEYOND.fullmatch(word):
                 shown = word if len(word) < 40 else f"{word[:12]}... of {len(word)} letters"
                 return f", perhaps by line {number}: {shown} (names have at most 31 bytes)"
-    has_rules = re.search(r"^\s*\[RULE", text, re.IGNORECASE | re.MULTILINE)
+    has_rules = is_silent and re.search(r"^\s*\[RULE", text, re.IGNORECASE | re.MULTILINE)
     return ", perhaps in [RULES], of which EPANET names no line: leave rules out to find it" if has_rules else ""
 
 
