@@ -11,7 +11,7 @@ from driftform.search.jobs import Job
 from driftform.search.journal import Journal
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
-from driftform.search.survey import Survey, read_scores
+from driftform.search.survey import KEPT, Survey, read_scores
 from driftform.study import load_study
 from driftform.types import Candidate
 
@@ -97,6 +97,15 @@ def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_
                 break
         assert len(flights[index]) == expected
     assert {len(each) for each in flights} >= {2, 8}
+
+
+def test_an_agent_of_which_every_fitness_matters_flies_under_all_conditions_and_knows_what_it_keeps(store):
+    study = study_of("robustness.survey=8", "robustness.conditions=8", "robustness.finalists=1")
+    flights, received = fly_batch(study, store, candidates_of(study, [(-np.inf, -np.inf)] * 4))
+    for index, (flight, given) in enumerate(zip(flights, received, strict=True)):
+        flown = np.vstack([flight.fitness, disturbed(store, index)])
+        assert flown.shape == (9, 2)
+        assert given.measures == {**flight.measures, KEPT: pytest.approx(np.quantile(flown, 0.1, axis=0).mean())}
 
 
 def test_without_disturbed_conditions_there_is_no_survey(store):

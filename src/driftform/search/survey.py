@@ -21,6 +21,9 @@ from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation, FloatArray
 
+KEPT = "fitness_90"
+"""Measure of surveyed agents."""
+
 
 class Survey:
     """The race of a run's agents under the first conditions of the choice, the same for all.
@@ -43,7 +46,8 @@ class Survey:
         """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
 
         An agent is surveyed if its undisturbed fitness exceeds its ``threshold`` for some target: any other fitness does
-        not matter to its strategy. An agent without a threshold is not surveyed.
+        not matter to its strategy. An agent without a threshold is not surveyed, and one with a threshold of minus infinity
+        flies under all conditions. The measure :data:`KEPT` is the fitness that 90 % of its flights reach, the mean over targets.
 
         Args:
             first: index of the first evaluation.
@@ -56,6 +60,7 @@ class Survey:
             if evaluation.failure is None and candidate.threshold is not None
         }
         alive = [number for number, at in matters.items() if at.any()]
+        whole = {number for number in alive if -inf in (candidates[number].threshold or ())}
         flown = dict[tuple[int, int], FloatArray]()
         genomes = {first + number: candidates[number].genome for number in alive}
         # The error of an unchecked flight is far below the differences that decide.
@@ -65,10 +70,14 @@ class Survey:
             flown |= fly([pair for pair in pairs if pair not in flown], threshold=self._threshold)
             for number in alive:
                 flights = np.array([flown[first + number, condition] for condition in range(stage)])
-                given[number] = replace(given[number], fitness=_mean_fitness(evaluations[number].fitness, flights))
+                undisturbed, measures = evaluations[number].fitness, evaluations[number].measures
+                kept = float(np.nanquantile(np.vstack([undisturbed, flights]), 0.1, axis=0).mean())
+                given[number] = replace(
+                    given[number], fitness=_mean_fitness(undisturbed, flights), measures={**measures, KEPT: kept}
+                )
             least = self._best[stage].least
             self._best[stage].add([given[number] for number in alive])
-            alive = [n for n in alive if np.any((given[n].fitness > least)[matters[n]])]
+            alive = [n for n in alive if n in whole or np.any((given[n].fitness > least)[matters[n]])]
         return given
 
 

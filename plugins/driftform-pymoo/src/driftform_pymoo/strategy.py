@@ -29,7 +29,7 @@ class PymooOptions(Table):
     objectives: tuple[str, ...] = option(
         ("fitness",),
         "what to improve: 'fitness', the mean over targets, or that for a target by its name; or a measure, such as print_mass, to "
-        "make it less, and -print_mass to make it more",
+        "make it less, and -print_mass to make it more; -fitness_90 for the fitness that 90 % of robustness.survey flights reach",
         min_length=1,
         max_length=10,
     )
@@ -70,7 +70,9 @@ class PymooStrategy(GenerationStrategy[PymooOptions]):
             self._optimiser = self._make_optimiser()
             self._population = self._optimiser.ask()
         make_genome = self.space.grammar.make_genome
-        return [Candidate(make_genome(vector), (), self.generation) for vector in self._population.get("X")]
+        threshold = (-np.inf,) * len(self.space.targets) if "fitness_90" in self._names else None
+        vectors = self._population.get("X")
+        return [Candidate(make_genome(vector), (), self.generation, threshold=threshold) for vector in vectors]
 
     def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Tell the optimiser the objectives, and keep what no other is better than."""
