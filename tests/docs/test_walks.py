@@ -30,8 +30,8 @@ def lines_of(block, text):
 def without_numbers(text):
     # Which target is the worst depends on the numbers.
     text = re.sub(r"(at worst \S+) \(.*?\)", r"\1", text)
-    # So do the targets where a shape gains little.
-    text = re.sub(r"the shape matters little for [^\n]*\n", "", text)
+    # So do the targets where a shape gains little, or the search found less than the baseline.
+    text = re.sub(r"the (shape matters little|baseline is better) for [^\n]*\n", "", text)
     # So does the target for which the doubt about gusts matters most.
     text = re.sub(r"(what is not known of gusts[^\n]*at most) \(.*?\)", r"\1", text)
     # So do the side to which an agent tends, and its pockets.

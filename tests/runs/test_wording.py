@@ -101,14 +101,23 @@ def test_a_summary_counts_who_keeps_the_targets():
 def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
     results = {"A": result_of(1, 1, 0, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 1, (0.3, 0.28, 0.3))}
     fitness = ClosestApproach(Table())
-    assert describe_worth(fitness, results).startswith("the shape matters little for B:")
-    assert describe_worth(fitness, {"A": results["A"]}) == ""
+    [found] = describe_worth(fitness, results)
+    assert found.startswith("the shape matters little for B:")
+    assert describe_worth(fitness, {"A": results["A"]}) == []
+
+
+def test_a_baseline_that_is_better_than_what_the_search_found_is_named_with_its_genome():
+    results = {"A": result_of(0, 0.4, 0.7, (0.3, 0.3, 0.2)), "B": result_of(1, 1, 1, (0.3, 0.28, 0.27))}
+    results["A"]["robust"]["baseline"]["genome"] = "C @ 0.0011"
+    better, alike = describe_worth(ClosestApproach(Table()), results)
+    assert better.startswith("the baseline is better for A ('C @ 0.0011'): take it")
+    assert alike.startswith("the shape matters little for B:")
 
 
 def test_a_run_without_a_baseline_says_nothing_of_the_worth_of_a_shape():
     fitness, result = ClosestApproach(Table()), result_of(1, 1, 1)
     del result["robust"]["baseline"]
-    assert describe_worth(fitness, {"A": result}) == ""
+    assert describe_worth(fitness, {"A": result}) == []
     assert list_cells(fitness, result, promised=True)[-2:] == ("-", "-")
     assert summarise(fitness, {"A": result}).endswith("0 by the baseline")
 
@@ -127,6 +136,5 @@ def test_what_the_doubt_about_gusts_makes_of_the_misses_is_said_if_there_is_one(
 
 def test_a_fitness_of_shares_is_compared_by_shares():
     alike = {"A": result_of(1, 0.88, 0.88, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 0.85, (0.3, 0.3, 0.3))}
-    assert describe_worth(OutletFitness(Table()), alike).startswith(
-        "the shape matters little for A: a plain body of the right weight does nearly as well"
-    )
+    [found] = describe_worth(OutletFitness(Table()), alike)
+    assert found.startswith("the shape matters little for A: a plain body of the right weight does nearly as well")

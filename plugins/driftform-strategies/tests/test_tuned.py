@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cigars import Cigars, Corks
+from hypothesis import given
+from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.interfaces import Table
@@ -17,7 +19,7 @@ from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.shapes import DRAG, Aim, Shape, draw_even, draw_random
 from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy, _Elite, _Start
-from driftform_strategies.tuning import square_root_weight
+from driftform_strategies.tuning import find_next, measure_heights, square_root_weight
 
 SPEED, FALL = 1.0, 1.2
 """Of the current, m/s, and of a body with a net weight of 1 kg, m/s."""
@@ -57,6 +59,12 @@ def fly(genome):
     return Trajectory(t, t[:, None] * course, turn, np.tile([*course, 0, 0, 0], (len(t), 1)), End.OUTLET)
 
 
+def stand_up(points):
+    """Turn places (m) of a level pipe into those of a riser, where down is what lies towards +x."""
+    x, y, z = np.moveaxis(np.asarray(points), -1, 0)
+    return np.stack([-z, y, x], axis=-1)
+
+
 def play(strategy, flights):
     """Return the distance from each target of all flights, m, (flights, 2)."""
     from driftform.motion.path.targets import approach_targets, farthest_distances
@@ -65,6 +73,8 @@ def play(strategy, flights):
     while len(misses) < flights:
         candidates = strategy.ask(flights - len(misses))
         flown = [fly(candidate.genome) for candidate in candidates]
+        if scenario.pipe.straight.end[2]:
+            flown = [replace(flight, position=stand_up(flight.position)) for flight in flown]
         passed = [approach_targets(flight, scenario)[0] for flight in flown]
         scores = [100 * (1 - miss / farthest_distances(scenario)) for miss in passed]
         outcomes = [Evaluation(c.genome, s, f) for c, s, f in zip(candidates, scores, flown, strict=True)]
@@ -78,6 +88,30 @@ def test_each_target_is_hit_within_few_flights(kind):
     for seed in range(5):
         misses = play(kind(TunedOptions(), make_space(Cigars(Table()), seed)), 30)
         assert (misses.min(axis=0) <= HIT).all()
+
+
+def test_targets_in_a_riser_are_hit_where_weight_moves_bodies_sideways():
+    for seed in range(3):
+        space = make_space(Cigars(Table()), seed)
+        targets = {name: tuple(stand_up(point).tolist()) for name, point in space.scenario.targets.items()}
+        [segment] = space.scenario.pipe.segments
+        riser = segment.model_copy(update={"end": tuple(stand_up(segment.end).tolist())})
+        pipe = space.scenario.pipe.model_copy(update={"segments": (riser,)})
+        scenario = space.scenario.model_copy(update={"pipe": pipe, "targets": targets})
+        misses = play(TunedStrategy(TunedOptions(), replace(space, scenario=scenario)), 40)
+        assert (misses.min(axis=0) <= HIT).all()
+
+
+@given(turn=st.floats(0, 2 * math.pi), rise=st.floats(-0.4, 1), miss=st.floats(-0.5, 0.5), response=st.floats(0.3, 3))
+def test_the_secant_needs_not_know_where_weight_moves_a_body(turn, rise, miss, response):
+    way = np.array([math.sqrt(1 - rise**2) * math.cos(turn), math.sqrt(1 - rise**2) * math.sin(turn), rise])
+    points, root = [], 0.0
+    for _ in range(TunedOptions().flights):
+        points.append((root, (miss - response * root) * way))
+        if np.linalg.norm(points[-1][1]) <= HIT:
+            break
+        root = find_next(measure_heights(points, None), -1.0)
+    assert np.linalg.norm(points[-1][1]) <= HIT
 
 
 def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there():
@@ -213,7 +247,7 @@ def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_
     shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
     # The first target lies 0.3 m below the release; what is more than five times as guessed, or less, was something else.
     guess = -strategy._aims[0].guess_response(shape.size)
-    shape.points.append((1.0, np.array([0.3 + seen * guess, 0.0])))
+    shape.points.append((1.0, np.array([[0.0, 0.0, 0.3 + seen * guess], [0.0, 0.0, 0.0]])))
     root = 1.0 - (0.3 + seen * guess) / (believed * guess)
     assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(root), rel=1e-12)
 

@@ -145,7 +145,7 @@ def _print_results(run: "StoredRun", results: "list[Best]", pictures: tuple[Path
         print_text(summarise(fitness, found))
     if results and promised:
         print_text(explain_columns(fitness, scenario.robustness.checks))
-        for text in filter(None, (describe_worth(fitness, found), describe_doubt(fitness, found))):
+        for text in filter(None, (*describe_worth(fitness, found), describe_doubt(fitness, found))):
             print_text(text)
     lost = {name: r["robust"]["failed"] for name, r in found.items() if promised and r["robust"]["failed"]}
     if lost:

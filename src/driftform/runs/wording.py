@@ -18,6 +18,9 @@ KEPT = 0.9
 WORTH = 0.1
 """Part by which the 90 % miss must be below that of the baseline, for the shape to matter."""
 
+SCATTER = 0.25
+"""Part by which the 90 % miss of the baseline must be below that of an agent, for it to be better: that of 40 flights scatters so."""
+
 Result = Mapping[str, Any]
 """``result`` of an agent file: fitness (%), nominal miss (m), and what was promised as ``robust``."""
 
@@ -94,27 +97,34 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     )
 
 
-def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
-    """Return for which targets the shape matters little, and why; an empty text for none.
+def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> list[str]:
+    """Return for which targets the baseline is better, and for which the shape matters little, and why: a text for each.
 
     Compares the 90 % miss, or the share of flights that do not hit if the fitness promises a share.
     """
-    unmoved = []
+    unmoved, better = [], []
     for name, result in results.items():
         if is_promised(result):
             robust = result["robust"]
             weighed, baseline = (_find_loss(fitness, robust.get(each, {})) for each in ("weighed", "baseline"))
-            if None not in (weighed, baseline) and weighed >= (1 - WORTH) * baseline:
+            if None in (weighed, baseline):
+                continue
+            if baseline < (1 - SCATTER) * weighed and robust["baseline"]["hit"] >= robust["weighed"]["hit"]:
+                better.append(f"{name} ('{robust['baseline']['genome']}')" if "genome" in robust["baseline"] else name)
+            elif weighed >= (1 - WORTH) * baseline:
                 unmoved.append(name)
-    if not unmoved:
-        return ""
-    does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
-    plain = [name for name in unmoved if results[name].get("plain")]
-    chosen = f"; it was chosen for {', '.join(plain)}" if plain else ""
-    return (
-        f"the shape matters little for {', '.join(unmoved)}: a plain body of the right weight {does}, because the "
-        f"water carries it there, and gusts decide the rest{chosen}"
-    )
+    texts = []
+    if better:
+        texts.append(f"the baseline is better for {', '.join(better)}: take it, or let the search run for longer")
+    if unmoved:
+        does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
+        plain = [name for name in unmoved if results[name].get("plain")]
+        chosen = f"; it was chosen for {', '.join(plain)}" if plain else ""
+        texts.append(
+            f"the shape matters little for {', '.join(unmoved)}: a plain body of the right weight {does}, because the "
+            f"water carries it there, and gusts decide the rest{chosen}"
+        )
+    return texts
 
 
 def describe_doubt(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:

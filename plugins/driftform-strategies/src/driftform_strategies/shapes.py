@@ -30,7 +30,7 @@ class Shape:
         neutral, rate: tuning without net weight, and net weight (kg) for each unit of tuning above that.
         size: length times greatest diameter, m2.
         name: a number that hardly any other body has.
-        points: of each flight the root of its net weight, and its height above each target, m, (targets,).
+        points: of each flight the root of its net weight, and its offset from each target, m, (targets, 3).
         tried: targets that it was tuned for.
         is_plain: whether it has no modules.
     """
@@ -60,7 +60,7 @@ class Aim:
     """A target as a body of some size sees it.
 
     Attributes:
-        drop: its depth below the release, m; 0 in a pipe with parts, where depth does not decide how it is hit.
+        drop: its depth below the release, across the pipe, m; 0 in a pipe that is not straight, where depth does not decide how it is hit.
         way: its distance from the release, m.
         speed: of the current, m/s.
         fluid: the water.

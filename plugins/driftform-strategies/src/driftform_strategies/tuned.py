@@ -14,7 +14,7 @@ from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.types import Candidate, Evaluation
 from driftform_strategies.evolution import remember
 from driftform_strategies.shapes import Aim, Shape, draw_even, draw_plain, draw_random, vary
-from driftform_strategies.tuning import find_next
+from driftform_strategies.tuning import find_next, find_up, measure_heights
 
 Drawn = Callable[[], Shape | None]
 """Waits until a shape is drawn."""
@@ -100,8 +100,8 @@ class _Elite:
 class TunedStrategy(Strategy[TunedOptions]):
     """Evolution of shapes: each body is tuned until it hits its target, and then judged by its flights in disturbed water.
 
-    The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, with
-    3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few
+    The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, or, in a riser,
+    on its distance in the direction in which the tuning moves it, with 3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few
     disturbed conditions all of them, under many only the best. Where none hits, those that pass nearer than all before race
     too. The best body for a target, and the plain one, are tuned on there by steps of a quarter of their speed of sinking if
     they touch the wall near the target: a lighter one, say, rides the ceiling in any gust. New shapes are those of the best
@@ -132,8 +132,9 @@ class TunedStrategy(Strategy[TunedOptions]):
         scenario, robustness = space.scenario, space.scenario.robustness
         self._is_surveyed = min(robustness.survey, robustness.conditions) > 0
         release, points = scenario.release_position(), scenario.target_array().reshape(-1, 3)
+        self._up = find_up(scenario)
         # In a straight pipe a neutral body passes a target by as much above it as this lies below the release.
-        drops = release[2] - points[:, 2] if scenario.pipe.straight is not None else np.zeros(len(points))
+        drops = np.zeros(len(points)) if self._up is None else (release - points) @ self._up
         self._aims = [
             Aim(float(drop), float(way), scenario.flow.speed, scenario.fluid, at if isinstance(at, str) else None)
             for drop, way, at in zip(
@@ -174,7 +175,7 @@ class TunedStrategy(Strategy[TunedOptions]):
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
         offsets, outlet = path.find_offsets(evaluation, self.space.scenario), self._aims[job.target].outlet
-        shape.points.append((root, offsets[:, 2]))
+        shape.points.append((root, offsets))
         miss = float(np.linalg.norm(offsets[job.target]))
         hits = miss <= HIT
         if outlet is not None:
@@ -229,9 +230,9 @@ class TunedStrategy(Strategy[TunedOptions]):
         aim = self._aims[target]
         if aim.outlet is not None:
             return self._draw_tuning(shape)
-        points = [(root, float(heights[target])) for root, heights in shape.points]
+        points = measure_heights([(root, offsets[target]) for root, offsets in shape.points], self._up)
         response = -aim.guess_response(shape.size)
-        if len(points) == 1 and points[0][0]:
+        if self._up is not None and len(points) == 1 and points[0][0]:
             # With what a body without net weight should do, one flight shows the response.
             [(root, height)] = points
             seen = (height - aim.drop) / root

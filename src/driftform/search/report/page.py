@@ -98,7 +98,7 @@ def page_html(contents: Contents) -> str:
         script=scene.read_viewer(),
         data=viewer_data(contents),
         lead=summarise(fitness, results) + ".",
-        notes=[text for text in (describe_worth(fitness, results), describe_doubt(fitness, results)) if text],
+        notes=[text for text in (*describe_worth(fitness, results), describe_doubt(fitness, results)) if text],
         kinds=kinds,
         kinds_in_words=", ".join(f"{count} x {kind}" for kind, count in Counter(kinds.values()).most_common()),
         legend=explain_columns(fitness, contents.study.scenario.robustness.checks),
