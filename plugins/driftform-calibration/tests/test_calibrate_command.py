@@ -47,12 +47,11 @@ def test_the_document_has_factors_residual_and_files(done, track):
         "agent.json",
         "report.html",
         "tracks.svg",
-        "factors.svg",
     ]
     table = tomllib.loads(Path("found/calibration.toml").read_text(encoding="utf-8"))
     assert table == {"calibration": found["calibration"]}
     page = Path("found/report.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
+    assert page.count("<svg") == 1 and "cross_drag = [" in page and 'class="seen"' in page
     # The agent remembers it, and any study takes it.
     remembered = done("inspect", "found/agent.json", "--json")["calibration"]
     assert remembered["cross_drag"]["value"] == pytest.approx(drag["value"], rel=1e-3)

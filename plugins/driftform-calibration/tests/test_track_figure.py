@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.testing.bodies import cylinder_body
-from driftform_calibration.figures import TrackPanel, drop_svg, intervals_svg, ruler_svg, tracks_svg
+from driftform_calibration.figures import TrackPanel, drop_svg, ruler_svg, tracks_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -31,14 +31,6 @@ def test_every_point_and_both_flights_are_drawn(flat):
     assert len(find(svg, "circle", "seen")) == 60
     assert len(find(svg, "path", "before")) == len(find(svg, "path", "after")) == 2
     assert len(find(svg, "path", "distance")) == 4
-
-
-def test_an_interval_spans_its_bounds_and_unknown_factors_are_named():
-    svg = intervals_svg({"cross_drag": (1.4, 1.3, 1.6)}, "factors", ["friction"])
-    [bar], [dot] = find(svg, "line", "interval"), find(svg, "circle", "value")
-    left, right, middle = float(bar.get("x1")), float(bar.get("x2")), float(dot.get("cx"))
-    assert (middle - left) / (right - left) == pytest.approx(1 / 3, abs=0.01)
-    assert "not known, left at 1" in svg and "cross drag" in svg and "friction" in svg
 
 
 def test_a_ruler_is_as_long_as_it_says():

@@ -1,17 +1,21 @@
 """Tables of networks that can be computed by hand: what the chain solves, and what walks draw from the same tables."""
 
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import lognorm
 
+from driftform_networks.flights.bodies import open_traveller
 from driftform_networks.hydraulics.network import Hydraulics, Network, take_snapshot
-from driftform_networks.passages.passage import find_loops, follow
+from driftform_networks.passages.passage import QUANTILES, find_loops, follow
 from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
 from driftform_networks.passages.walkers import count_ends, summarise_walks, walk
-from driftform_networks.planning.following import route, trace
+from driftform_networks.planning.following import Case, How, route, trace
 
 LENGTH, AREA = 100.0, 0.01
 """Of every pipe, m and m2."""
@@ -108,7 +112,7 @@ def test_what_cannot_leave_a_loop_circles():
     tables = list(routing.tables)
     closed = (routing.snapshot.links[back] == network.links.index("cb")).astype(float)
     tables[network.links.index("bc")] = RoutingTable(closed[None], np.ones((1, 2, 1)), np.zeros(1))
-    passage = follow(Routing(routing.snapshot, routing.transfers, tables, np.ones(1)), 0)
+    passage = follow([Routing(routing.snapshot, routing.transfers, tables, np.ones(1))], 0)
     assert find_ends(passage) == pytest.approx({("circling", ""): 1}, abs=1e-6)
 
 
@@ -116,7 +120,7 @@ def test_a_body_that_each_pipe_holds_with_one_tenth_arrives_with_powers_of_nine_
     network = make_network({"ab": 0.001, "bc": 0.001, "cd": 0.001})
     routing = route_tracers(take_snapshot(network))
     held = TransferTable(np.array([[0.9]]), np.array([2.0]), "lies on the wall")
-    passage = follow(Routing(routing.snapshot, [held] * 3, routing.tables, np.ones(1)), 0)
+    passage = follow([Routing(routing.snapshot, [held] * 3, routing.tables, np.ones(1))], 0)
     assert passage.probability == pytest.approx([1, 0.9, 0.81, 0.729])
     assert passage.seen == pytest.approx([0.9, 0.81, 0.729])
     # It is half as fast as the water.
@@ -141,7 +145,7 @@ def make_banded(network):
 
 def test_bands_move_as_the_product_of_their_tables():
     network = make_network({"ab": 0.002, "bc": 0.001, "bd": 0.001})
-    passage = follow(make_banded(network), 0)
+    passage = follow([make_banded(network)], 0)
     # 3/4 enter in the first band, and 4/5 of these are still in it at the fork.
     first = 0.75 * 0.8
     assert passage.probability == pytest.approx([1, 1, first, (1 - first) / 2])
@@ -188,7 +192,7 @@ def test_bodies_that_go_round_in_a_loop_for_ever_are_counted_as_circling():
 def test_walks_agree_with_the_chain_that_they_are_drawn_from(make):
     network = make()  # type: ignore[operator]
     routing = make_banded(network) if len(network.links) == 3 else route_tracers(take_snapshot(network))
-    exact, count = follow(routing, 0), 40_000
+    exact, count = follow([routing], 0), 40_000
     rng = np.random.default_rng(5)
     drawn = summarise_walks(walk([routing], [0, np.inf], 0, np.zeros(count), rng), [routing])
     error = 4 * 0.5 / np.sqrt(count)
@@ -224,7 +228,8 @@ def test_a_body_waits_in_an_hour_without_any_flow():
 
 
 def test_a_wide_body_waits_at_a_dead_end_until_water_leads_on():
-    passage = route(make_network({"ab": [1e-3, 1e-3], "bc": [0.0, 1e-3]}), "sphere:60mm", "a", walks=50)
+    neutral = replace(open_traveller("sphere:60mm"), error=0.0)
+    passage = route(make_network({"ab": [1e-3, 1e-3], "bc": [0.0, 1e-3]}), neutral, "a", walks=50)
     assert passage.quantiles[2].min() > 3600
     assert find_ends(passage) == {("stuck", "c"): 1.0}
 
@@ -238,3 +243,22 @@ def test_flows_that_do_not_change_are_the_same_with_and_without_steps():
     assert drawn.age == pytest.approx(steady.age)
     assert all(low == high for low, high in pairwise(drawn.quantiles[1]))
     assert drawn.quantiles[:, 1] == pytest.approx(steady.age)
+
+
+@pytest.mark.parametrize("more", [{}, {"within": 24.0}])
+def test_bodies_that_are_drawn_keep_their_weight_and_their_error_of_flows_all_the_way(more):
+    """Half travel at the pace of the water, half at 0.7 of it, through five pipes: a mixture of two log-normal distributions."""
+    network = make_network(dict.fromkeys(("ab", "bc", "cd", "de", "ef"), 0.001))
+    how = How(walks=20_000, demand_error=0.1, **more)
+    case = Case(network, "a", 0.0, [take_snapshot(network)], how)
+
+    def route_at(pace, snapshot):
+        run = TransferTable(np.ones((1, 1)), np.full(1, 1 / pace))
+        return replace(route_tracers(snapshot), transfers=[run] * 5)
+
+    found, water = case.follow(*(partial(route_at, pace) for pace in (1.0, 0.7))), 5 * LENGTH * AREA / 1e-3
+    shares = np.mean([lognorm.cdf(found.quantiles[-1], 0.1, scale=water / pace) for pace in (1.0, 0.7)], axis=0)
+    assert shares == pytest.approx(QUANTILES, abs=4 * np.sqrt(0.25 / 20_000))
+    error = np.exp(0.1**2 / 2) if more else 1.0
+    assert found.age[-1] == pytest.approx(error * water * (1 + 1 / 0.7) / 2, rel=0.01)
+    assert found.probability == pytest.approx(1) and found.seen == pytest.approx(1)

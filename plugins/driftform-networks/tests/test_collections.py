@@ -143,7 +143,7 @@ def test_tracers_are_the_trace_and_the_age_of_epanet(files, tmp_path, epanet):
         network = open_network(path, tmp_path)
         snapshot = take_snapshot(network)
         source, sources = find_source(snapshot), np.flatnonzero(network.hydraulics.outflow[0] < -STILL)
-        passages = {int(node): follow(route_tracers(snapshot), int(node)) for node in sources if len(snapshot.outlets[node])}  # fmt: skip
+        passages = {int(node): follow([route_tracers(snapshot)], int(node)) for node in sources if len(snapshot.outlets[node])}  # fmt: skip
         passage = passages[source]
         flux = sum(np.where(one.visits > 0, one.visits, 0) * snapshot.departure[node] for node, one in passages.items())
         ages = sum(np.where(one.visits > 0, one.visits * one.age, 0) * snapshot.departure[node] for node, one in passages.items())  # fmt: skip

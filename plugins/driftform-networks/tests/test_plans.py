@@ -45,7 +45,7 @@ def test_no_choice_of_nets_is_worth_more_than_the_bound(seed, places, size):
 
 
 def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(fork_file, tmp_path):
-    network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
+    network, bodies = open_network(fork_file, tmp_path), [replace(open_traveller("sphere:30mm"), error=0.0)]
     found = plan_inspection(network, bodies, ["source"], 2, size=1, walks=400, cache=tmp_path)
     assert set(found.nets) == {"ahead", "branch"}
     assert found.catches.sum() == 1
@@ -58,7 +58,7 @@ def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(f
 
 
 def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file, tmp_path):
-    network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
+    network, bodies = open_network(fork_file, tmp_path), [replace(open_traveller("sphere:30mm"), error=0.0)]
     # The water takes 470 s through the main, 707 s through the run and 1414 s through the branch.
     more = {"size": 1, "walks": 50, "demand_error": 0.0, "cache": tmp_path}
     short = plan_inspection(network, bodies, ["source"], 2, within=1.0, battery=0.15, **more)
@@ -75,7 +75,7 @@ def test_a_battery_lasts_as_long_at_any_hour_of_release(hour, fork_file, tmp_pat
     path = tmp_path / "day.inp"
     path.write_text(fork_file.read_text().replace("Duration 0", "Duration 24:00"))
     more = {"size": 1, "walks": 50, "demand_error": 0.0, "cache": tmp_path}
-    bodies = [open_traveller("sphere:30mm")]
+    bodies = [replace(open_traveller("sphere:30mm"), error=0.0)]
     found = plan_inspection(
         open_network(path, tmp_path), bodies, ["source"], 2, hours=[hour], within=1.0, battery=0.15, **more
     )
@@ -86,7 +86,7 @@ def test_a_battery_lasts_as_long_at_any_hour_of_release(hour, fork_file, tmp_pat
 
 def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(done, epanet):
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
-    words += ["--agent", "sphere:5mm"]
+    words += ["--agent", "sphere:5mm", "--buoyancy-error", 0]
     files = ["--gis", "gis", "--crs", "EPSG:25832", "--map", "plan.svg", "--tables", "tables", "--report", "plan.html"]
     document = done(*words, *files, "--json")
     assert len(document["members"]) == 3 and len(document["nets"]) == 4
@@ -97,7 +97,7 @@ def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(done, epanet
 
 
 def test_fleets_in_changing_flows_keep_below_what_steering_sees(epanet, tmp_path):
-    network, sphere = epanet.read_library("Net3"), [open_traveller("sphere:5mm")]
+    network, sphere = epanet.read_library("Net3"), [replace(open_traveller("sphere:5mm"), error=0.0)]
     more = {"within": 6.0, "walks": 200, "cache": tmp_path}
     found = plan_fleet(network, sphere, ["61"], 3, **more)
     assert (found.curve <= found.bound + 1e-9).all() and (np.diff(found.bound) >= -1e-9).all()

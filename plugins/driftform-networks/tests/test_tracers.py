@@ -31,7 +31,7 @@ def test_visits_are_the_trace_of_epanet(name, release, hours, tmp_path, epanet):
     path = epanet.freeze(name, tmp_path)
     network = open_network(path)
     snapshot = take_snapshot(network)
-    passage = follow(route_tracers(snapshot), network.find_node(release))
+    passage = follow([route_tracers(snapshot)], network.find_node(release))
     shares = epanet.simulate_quality(path, f"Trace {release}", hours, 300)
     share = np.array([shares[node] for node in network.nodes])
     expected = share * arriving_flow(snapshot) / snapshot.departure[network.find_node(release)]
@@ -48,7 +48,7 @@ def test_mean_ages_are_those_of_epanet(tmp_path, epanet):
     snapshot = take_snapshot(network)
     flux, sum_of_ages = np.zeros(len(network.nodes)), np.zeros(len(network.nodes))
     for source in np.flatnonzero(network.hydraulics.outflow[0] < -STILL):
-        passage = follow(route_tracers(snapshot), int(source))
+        passage = follow([route_tracers(snapshot)], int(source))
         reached = passage.visits > 0
         part = np.where(reached, passage.visits, 0) * snapshot.departure[source]
         flux += part
@@ -69,11 +69,12 @@ def test_mean_ages_are_those_of_epanet(tmp_path, epanet):
 def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name, release, epanet):
     snapshot = take_snapshot(epanet.read_library(name))
     node, routing = snapshot.network.find_node(release), route_tracers(snapshot)
-    passage = follow(routing, node)
+    passage = follow([routing], node)
     began = process_time()
     walks = walk([routing], [0, np.inf], node, np.zeros(10_000), np.random.default_rng(1))
     assert process_time() - began < 1
-    arrived, time = walks.first_arrivals()
+    rows = walks.first_arrivals()
+    arrived, time = walks.node[rows], walks.ages[rows]
     count = np.bincount(arrived, minlength=len(snapshot.network.nodes))
     p = np.delete(passage.probability, node)
     deviation = np.delete(count / 10_000, node) - p
@@ -172,7 +173,8 @@ def test_times_count_from_each_release_and_all_flows_of_a_walk_have_one_factor(f
     fork, source = network.find_node("fork"), network.find_node("source")
     routings, began = [route_tracers(take_snapshot(network))], np.linspace(0, 9000, 4000)
     walks = walk(routings, [0, np.inf], source, began, np.random.default_rng(1), demand_error=0.3)
-    place, time = walks.first_arrivals()
+    rows = walks.first_arrivals()
+    place, time = walks.node[rows], walks.ages[rows]
     # 200 m of 300 mm at 30 l/s.
     log = np.log(time[place == fork] / (200 * np.pi * 0.3**2 / 4 / 0.03))
     assert len(log) == 4000

@@ -22,11 +22,12 @@ def driftform_commands(app: "typer.Typer") -> None:
 
 @hookimpl
 def driftform_report(job: "ReportJob") -> Mapping[str, str]:
-    """Return a picture of the factors on the model of a run; nothing for a model that was not calibrated."""
+    """Return a table of the factors on the model of a run; nothing for a model that was not calibrated."""
     calibration = job.scenario.calibration
     if not calibration.intervals:
         return {}
-    from driftform_calibration.figures import intervals_svg
+    from driftform.util import notebook
 
-    title = f"Calibration by {calibration.tracks} filmed flights" if calibration.tracks else "Calibration"
-    return {"Calibration": intervals_svg(calibration.intervals, title)}
+    rows = [(name, f"{v:.3g}", f"{low:.3g} to {high:.3g}") for name, (v, low, high) in calibration.intervals.items()]
+    title = f"By {calibration.tracks} filmed flights" if calibration.tracks else ""
+    return {"Calibration": notebook.show_table(("factor", "value", "90 % interval"), rows, title)}

@@ -1,6 +1,6 @@
-"""Pictures: films against flights of the model, factors with their intervals, and drops in a tank."""
+"""Pictures: films against flights of the model, and drops in a tank."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,8 +13,6 @@ from driftform.types import Body, FloatArray
 LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
 MIDDLE = 420.0
 """Left edge of the plots of distances, px; on a narrower page they are below the paths."""
-
-ROW, NAMES_WIDTH = 30.0, 190.0
 
 WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0
 """Of a picture and of the lines above and below the tank, px."""
@@ -131,40 +129,6 @@ class _Chart:
                 self.place(ticks, np.full(len(ticks), low))[:, 0], layout.label_ticks(ticks, later), strict=True
             ),
         }
-
-
-def intervals_svg(
-    intervals: Mapping[str, tuple[float, float, float]],
-    title: str,
-    unknown: Sequence[str] = (),
-    page: style.Page = style.SCREEN,
-) -> str:
-    """Return factors as SVG: value, and the interval that holds it with a probability of 90 %; unknown ones at 1.
-
-    ``intervals`` are value, low and high by name.
-    """
-    count = len(intervals) + len(unknown)
-    width, height = page.width if page.is_paper else 560.0, 92 + ROW * count
-    described = "; ".join(f"{name}: {value:.3g}" for name, (value, _, _) in intervals.items())
-    root = svg.start_document(width, height, title, described, page=page, header=50)
-    if not page.is_paper:
-        heading = layout.shorten(title, 14, width - 2 * layout.MARGIN, bold=True)
-        layout.write(root, layout.MARGIN, 24, heading, 14, bold=True)
-        note = "factor on the model, with its 90 % interval; 1 is the model as it was"
-        layout.write(root, layout.MARGIN, 42, note, 11, style.MUTED)
-    shown = [v for interval in intervals.values() for v in interval]
-    low, high = min([0.8, *shown]), max([1.25, *shown])
-    low, high = low - 0.05 * (high - low), high + 0.05 * (high - low)
-    left, right, top = layout.MARGIN + NAMES_WIDTH, width - 76, 60.0
-
-    def x_of(value: float) -> float:
-        return float(left + (value - low) / (high - low) * (right - left))
-
-    ticks = layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4))
-    sides = {"left": left, "top": top, "bottom": top + ROW * count, "edge": width - layout.MARGIN}
-    rows = {"intervals": intervals, "names": [*intervals, *unknown], "row": ROW}
-    svg.draw_template(root, __package__, "intervals", **rows, ticks=ticks.tolist(), **sides, x_of=x_of)
-    return svg.render(root)
 
 
 def drop_svg(

@@ -14,7 +14,7 @@ from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files, notebook
 from driftform_calibration.camera import see_points
-from driftform_calibration.figures import TrackPanel, intervals_svg, tracks_svg
+from driftform_calibration.figures import TrackPanel, tracks_svg
 from driftform_calibration.fit import FactorEstimate, Fit, measure_distance
 
 SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction")
@@ -23,7 +23,7 @@ SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", 
 STATIONS = 300
 """Points of a path that is drawn."""
 
-FILES = ("calibration.toml", "agent.json", "report.html", "tracks.svg", "factors.svg")
+FILES = ("calibration.toml", "agent.json", "report.html", "tracks.svg")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,16 +115,13 @@ class CalibrationResult:
         return replace(self.stored, environment=environment, result={})
 
     def write(self, directory: Path, page: style.Page = style.SCREEN) -> list[Path]:
-        """Write table, agent and pictures into a directory, and return their paths."""
+        """Write table, agent, page and picture into a directory, and return their paths."""
         files.make_directory(directory)
         paths = [directory / name for name in FILES]
         files.write_text(paths[0], self.toml())
         self.calibrated().write(paths[1])
         files.write_text(paths[2], self.html())
-        drawn = (self.tracks_svg(page), self.factors_svg(page))
-        for path, picture in zip(paths[3:], drawn, strict=True):
-            paths += picture_files.write_picture(path, picture, page, png=False)[1:]
-        return paths
+        return [*paths[:3], *picture_files.write_picture(paths[3], self.tracks_svg(page), page, png=False)]
 
     def html(self) -> str:
         """Return a page with the factors, the films against the flights, and the findings of the fit."""
@@ -134,7 +131,7 @@ class CalibrationResult:
             title=f"Calibration of {self.name}",
             before=self.fit.before,
             after=self.residual,
-            factors=notebook.show_table(*self.tabulate()) + self.factors_svg(),
+            factors=notebook.show_table(*self.tabulate()),
             films=self.tracks_svg(),
             notes=self.notes,
             toml=self.toml(),
@@ -156,16 +153,6 @@ class CalibrationResult:
         found = f"root mean square distance {before_after}"
         return tracks_svg(panels, f"{self.name}: films and flights", found, page)
 
-    def factors_svg(self, page: style.Page = style.SCREEN) -> str:
-        """Return the factors with their intervals as SVG."""
-        known = {
-            name: (found.value, found.low, found.high)
-            for name, found in self.factors.items()
-            if found.low is not None and found.high is not None
-        }
-        unknown = [name for name in SHOWN if name not in known]
-        return intervals_svg(known, f"{self.name}: factors", unknown, page)
-
     def _trace_path(self, x: FloatArray, number: int, t: FloatArray) -> FloatArray:
         """Return the path of the first marker in the picture at times ``t`` (s, (k,)) of the film, m, (k, 2)."""
         problem = self.fit.problem
@@ -177,11 +164,7 @@ class CalibrationResult:
         return f"<Calibration of {self.name}: {known or 'nothing is known'}; residual {1000 * self.residual:.1f} mm>"
 
     def _repr_html_(self) -> str:
-        return (
-            notebook.show_picture(self.factors_svg(), repr(self))
-            + notebook.show_picture(self.tracks_svg(), "films and flights")
-            + notebook.show_table(*self.tabulate())
-        )
+        return notebook.show_picture(self.tracks_svg(), repr(self)) + notebook.show_table(*self.tabulate())
 
 
 def _state(found: FactorEstimate) -> dict[str, Any]:

@@ -49,7 +49,7 @@ def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], objec
 
 CHANGES = ("close", "open", "set_valve")
 WATER = ("steady", "within", "walks", "seed")
-BODY = ("demand_error", "branch", "service_bore", "clearance", "scenario", "settings", "workers")
+BODY = ("buoyancy_error", "demand_error", "branch", "service_bore", "clearance", "scenario", "settings", "workers")
 CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
 SIGHT = ("receiver", "range", "pipes", "by", "weight")
 FILES = ("map", "style", "width_mm", "tables", "gis", "crs", "report", "cache", "json")
@@ -120,6 +120,7 @@ def route(given: Given, outputs: "Outputs") -> None:
     network, outputs = _look(given, _open(given), outputs)
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
+    traveller = replace(traveller, error=given.buoyancy_error)
     [hour], how = _pick(given, [given.at])
     passage = following.route(
         network, traveller, given.release, hour=hour, **how, **_travel(given, network), compare=True
@@ -234,7 +235,8 @@ def _collect(given: Given, buoyancies: Sequence[float]) -> "list[Traveller]":
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
     trims = None if given.as_designed else (given.buoyancies or buoyancies)
     chosen = (given.agents_from or (), given.run, given.count, trims)
-    return collect_candidates(*chosen, given.scenario, given.settings or ())
+    found = collect_candidates(*chosen, given.scenario, given.settings or ())
+    return [replace(one, error=given.buoyancy_error) for one in found]
 
 
 def _pick(given: Given, hours: Sequence[float]) -> tuple[Sequence[float], dict[str, Any]]:

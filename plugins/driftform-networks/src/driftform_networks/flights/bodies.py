@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import driftform
+from driftform.agent import mass_properties
 from driftform.errors import InputError
 from driftform.types import Agent
 from driftform_networks.cache import hash_content
@@ -28,6 +29,12 @@ FLOWN_BY = ("agent", "water", "motion")
 LEAD_DENSITY = 11_340.0
 """Density of the heaviest core, kg/m3."""
 
+SCALE = 0.00005
+"""Step of the scale that weighs a body, and of its ballast, kg, as in disturbed flights."""
+
+ALIKE = 0.05
+"""Deviation of the net buoyancy, relative to it, up to which bodies travel alike."""
+
 _SPHERE = "sphere:"
 
 
@@ -40,6 +47,7 @@ class Traveller:
         scenario: fluid, wall and flow profile; pipe, speed and release are those of each flight.
         simulator: flies it.
         design: what its files are made of; ``None`` for a sphere.
+        error: standard deviation of its net buoyancy, N, such as ``replace(traveller, error=0.0)``; ``None`` for what :func:`buoyancy_error` says.
     """
 
     name: str
@@ -47,6 +55,24 @@ class Traveller:
     scenario: "Scenario"
     simulator: "Simulator[Any]"
     design: "Design | None" = None
+    error: float | None = None
+
+    @cached_property
+    def drawn(self) -> tuple["Traveller", ...]:
+        """Bodies that stand for its net buoyancy as it is made, as many of each: a standard deviation lighter, and heavier.
+
+        So the formula of Gauss and Hermite with two points draws from a normal distribution (Abramowitz and Stegun 25.4.46). Its third
+        point would be the design itself, which water may mix, and of which hardly a body is made.
+        """
+        fluid, body = self.scenario.fluid, self.agent.body
+        error = buoyancy_error(self.agent, self.scenario) if self.error is None else self.error
+        if error <= ALIKE * abs(self.net_buoyancy):
+            return (self,)
+        # A light body is weighed on a finer scale.
+        extra = min(error / fluid.gravity, self.agent.mass.mass / 2)
+        made = [replace(body, core=replace(body.core, mass=body.core.mass + sign * extra)) for sign in (-1, 1)]
+        agents = (replace(self.agent, body=one, mass=mass_properties(one)) for one in made)
+        return tuple(replace(self, agent=agent, error=0.0) for agent in agents)
 
     @cached_property
     def hash(self) -> str:
@@ -62,6 +88,11 @@ class Traveller:
         """Greatest diameter, m."""
         return self.agent.body.max_diameter
 
+    @cached_property
+    def net_buoyancy(self) -> float:
+        """Net buoyancy in its water, N."""
+        return self.agent.mass.net_buoyancy(self.scenario.fluid)
+
     def name_file(self, **flights: list[Any]) -> str:
         """Return the name of the file that keeps some flights of this body, which plain values describe."""
         return f"{hash_content({'body': self.hash, **flights})}.npz"
@@ -76,7 +107,7 @@ class Traveller:
 
     def is_mixed(self, speed: float) -> bool:
         """Return whether the water mixes the body over the bore like itself, at a mean speed (m/s)."""
-        return abs(self.agent.mass.net_buoyancy(self.scenario.fluid)) < self.mixing_limit(speed)
+        return abs(self.net_buoyancy) < self.mixing_limit(speed)
 
     def mixing_limit(self, speed: float) -> float:
         """Return the net buoyancy (N) up to which the water mixes the body over the bore like itself, at a mean speed (m/s).
@@ -85,6 +116,18 @@ class Traveller:
         diameter, and a friction velocity u* of a twentieth of the mean speed.
         """
         return float(0.25 * self.scenario.fluid.density * np.pi / 4 * self.width**2 * (0.1 * speed / 20) ** 2)
+
+
+def buoyancy_error(agent: Agent, scenario: "Scenario") -> float:
+    """Return the standard deviation of the net buoyancy (N) of a body that was weighed in water and trimmed, with two digits.
+
+    As in disturbed flights of such bodies, the errors of scale and ballast lie evenly within a :data:`SCALE`, bubbles cling to the
+    body, and its hull takes up water, only more and never less: half of a normal distribution.
+    """
+    robustness, fluid = scenario.robustness, scenario.fluid
+    absorbed = np.sqrt(1 - 2 / np.pi) * robustness.absorbed * (agent.mass.mass - agent.body.core.mass)
+    parts = (SCALE / np.sqrt(6), fluid.density * robustness.bubble, absorbed)
+    return float(f"{fluid.gravity * np.linalg.norm(parts):.2g}")
 
 
 def open_traveller(
@@ -136,7 +179,13 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     if genome.tuning:
         genome = replace(genome, tuning=_find_tuning(design, buoyancy))
     else:
-        mass = _weigh_core(design, buoyancy)
+        core, missing = design.agent.body.core, design.agent.mass.net_buoyancy(design.scenario.fluid) - buoyancy
+        mass, heaviest = core.mass + missing / design.scenario.fluid.gravity, LEAD_DENSITY * core.volume
+        if not 0 <= mass <= heaviest:
+            raise InputError(
+                f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
+                f"{2000 * core.radius:.0f} mm in lead has {1000 * heaviest:.1f} g: choose another agent"
+            )
         environment = {**environment, "builder": {**environment["builder"], "core": "custom", "core_mass": mass}}
     name = design.name + _name_trim(buoyancy)
     stored = replace(design.stored, name=name, genome=genome, environment=environment, result={})
@@ -159,19 +208,6 @@ def _find_tuning(design: "Design", buoyancy: float) -> float:
         room = f"from {least + buoyancy:.3g} to {most + buoyancy:.3g} N"
         raise InputError(f"--buoyancy {buoyancy:g}: {design.name} can be tuned {room}: choose another agent")
     return float(brentq(find_excess, *bounds))
-
-
-def _weigh_core(design: "Design", buoyancy: float) -> float:
-    """Return the mass (kg) of a core that gives an agent a net buoyancy, N."""
-    fluid, core = design.scenario.fluid, design.agent.body.core
-    mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
-    heaviest = LEAD_DENSITY * core.volume
-    if not 0 <= mass <= heaviest:
-        raise InputError(
-            f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
-            f"{2000 * core.radius:.0f} mm in lead has {1000 * heaviest:.1f} g: choose another agent"
-        )
-    return mass
 
 
 def _name_trim(buoyancy: float) -> str:

@@ -22,7 +22,7 @@ def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, ste
     flown: dict[tuple[float, float], set[int]] = {}
     for speeds in network.find_speeds(steps):
         for link in np.flatnonzero((seen > 0) & (speeds > 0)).tolist():
-            if not traveller.is_mixed(speeds[link]):
+            if not all(one.is_mixed(speeds[link]) for one in traveller.drawn):
                 flown.setdefault((float(network.diameter[link]), match_speed(speeds[link])), set()).add(link)
     found: dict[str, tuple[str, set[int]]] = {}
     for (bore, speed), links in sorted(flown.items()):
@@ -37,16 +37,17 @@ def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, ste
 
 
 def word_weight(traveller: Traveller, network: Network, passings: Mapping[int, str], steps: Iterable[int]) -> list[str]:
-    """Return a line with the tees on its way at which a tenth of a gram decides whether the water mixes a body; none without tees."""
+    """Return a line with the net weights that are drawn for a body, and the tees on its way at which a tenth of a gram decides."""
     tees = [node for node, how in passings.items() if how == TEE]
-    speeds = network.find_speeds(steps).max(axis=0)
-    gravity = traveller.scenario.fluid.gravity
+    speeds, gravity = network.find_speeds(steps).max(axis=0), traveller.scenario.fluid.gravity
     # The greatest speed beside a tee leaves a body the most room.
     fastest = (speeds[(network.start == node) | (network.end == node)].max() for node in tees)
     milligrams = np.sort([1e6 * traveller.mixing_limit(speed) / gravity for speed in fastest])
+    weights = [f"{-1000 * one.net_buoyancy / gravity:.2g} g" for one in traveller.drawn]
+    drawn = f"half of the bodies weigh {' in the water, half '.join(weights)}" if len(weights) > 1 else ""
     if not len(milligrams):
-        return []
+        return [drawn] * bool(drawn)
     return [
-        f"a tenth of a gram decides at {(milligrams < 100).sum()} of {len(tees)} tees and crosses: the water mixes bodies of at most "
+        f"{drawn and drawn + '; '}a tenth of a gram decides at {(milligrams < 100).sum()} of {len(tees)} tees and crosses: the water mixes bodies of at most "
         f"{round(milligrams[0], 3):.2g} to {milligrams[-1]:.2g} mg of net weight there, and others ride along the top or the bottom"
     ]

@@ -96,7 +96,7 @@ class Traveling:
         self._folder = find_cache(folder)
         self._read_straight, self._read_tee = cache(StraightTask.__call__), cache(TeeTask.__call__)
         self._repeat_cells, self._find_bend = cache(repeat_cells), cache(self._fit_bends)
-        self._find_bends, self._place = cache(find_bends), cache(self._traveller.place)
+        self._find_bends = cache(find_bends)
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
 
@@ -107,7 +107,7 @@ class Traveling:
                 yield self._find_straight(snapshot, link)
             yield from (task for _, task, _ in self._list_bends(snapshot, link))
             outlets, _ = self._find_outlets(snapshot, link, self._describe(snapshot, link))
-            yield from (task for _, tasks in outlets for task, _ in tasks if not _is_whole(task))
+            yield from (task for _, tasks in outlets for task, _ in tasks if task.tee.share not in _ALL_INTO)
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
@@ -147,8 +147,8 @@ class Traveling:
         if not self._needs_flights(snapshot, link):
             time, scatter = 1.0, 0.0
             if network.is_pipe[index]:
-                bore, speed = float(network.diameter[index]), match_speed(float(snapshot.speed[link]))
-                time, scatter = transit(self._place(bore, speed), self._traveller.width, float(network.length[index]))
+                there = self._traveller.place(float(network.diameter[index]), float(snapshot.speed[link]))
+                time, scatter = transit(there, self._traveller.width, float(network.length[index]))
             return TransferTable(np.tile(MIXED, (BANDS, 1)), np.full(BANDS, time), "", gate, scatter)
         task = self._find_straight(snapshot, link)
         flights = self._read_straight(task)
@@ -255,7 +255,7 @@ class Traveling:
         for branch, tasks in outlets:
             table = np.zeros((BANDS, 2, BANDS))
             for task, weight in tasks:
-                if _is_whole(task):
+                if task.tee.share in _ALL_INTO:
                     table[:, _ALL_INTO[task.tee.share]] += weight * np.eye(BANDS)
                 else:
                     table += weight * self._read_tee(task).onward
@@ -268,17 +268,12 @@ class Traveling:
 
 
 _ALL_INTO: dict[float | None, int] = {0.0: tees.RUN, 1.0: tees.BRANCH}
-"""Outlet that all bodies take if the branch has this share of the water."""
+"""Outlet that all bodies take if the branch has this share of the water, so that none need be flown."""
 
 
 def _mirror(table: FloatArray, left: bool) -> FloatArray:
     """Return a table of flights, which are those of a branch, or a bend, at the right."""
     return table[MIRROR][:, :, MIRROR] if left else table
-
-
-def _is_whole(task: TeeTask) -> bool:
-    """Return whether all bodies take one outlet of a tee, so that none need be flown."""
-    return task.tee.share in _ALL_INTO
 
 
 def match_speed(speed: float) -> float:

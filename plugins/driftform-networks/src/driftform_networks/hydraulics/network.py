@@ -245,11 +245,6 @@ class Snapshot:
     """For each node, the links of this snapshot that lead away from it."""
 
     @cached_property
-    def length(self) -> FloatArray:
-        """Length of each link, m, (n,)."""
-        return np.asarray(self.network.length[self.links])
-
-    @cached_property
     def speed(self) -> FloatArray:
         """Mean speed of the water in each link, m/s, (n,); infinite in pumps, which have no volume."""
         with np.errstate(divide="ignore"):
@@ -258,7 +253,7 @@ class Snapshot:
     @cached_property
     def duration(self) -> FloatArray:
         """Time that water takes through each link, s, (n,)."""
-        return np.asarray(self.length / self.speed)
+        return np.asarray(self.network.length[self.links] / self.speed)
 
     @cached_property
     def departure(self) -> FloatArray:
@@ -270,10 +265,6 @@ class Snapshot:
     def inlets(self) -> IntArray:
         """Number of links whose water comes into each node, (nodes,)."""
         return np.bincount(self.head, minlength=len(self.network.nodes))
-
-    def name(self, link: int) -> str:
-        """Return the name of a link of this snapshot."""
-        return str(self.network.links[int(self.links[link])])
 
 
 def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> Snapshot:

@@ -303,7 +303,8 @@ def _table_fleet(fleet: Fleet) -> list[TextTable]:
     """Return the members, those that are alike in one row, and what fleets of some sizes see."""
     groups: dict[tuple[str, str, float], list[Member]] = {}
     for member in fleet.members:
-        groups.setdefault((member.agent, member.release, member.passage.hour), []).append(member)
+        release = fleet.network.nodes[member.passage.release]
+        groups.setdefault((member.agent, release, member.passage.hour), []).append(member)
     rows = []
     for (agent, release, hour), members in groups.items():
         alone, adds = 100 * members[0].coverage, 100 * sum(member.gain for member in members)

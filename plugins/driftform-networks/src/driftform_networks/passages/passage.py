@@ -258,14 +258,25 @@ LOST = 1e-9
 """Probability, for each link, that a body is no longer followed: it makes loops without an exit solvable."""
 
 
-def follow(routing: Routing, release: int) -> Passage:
-    """Return where a body goes that enters the water at a node, and divides there like the water.
+def follow(routings: Sequence[Routing], release: int) -> Passage:
+    """Return where bodies go that enter the water at a node, and divide there like the water: as many by each of some tables.
+
+    Raises InputError if no water flows from the node into a pipe.
+    """
+    parts = [_solve(routing, release) for routing in routings]
+    visits, probability, spent, seen = (np.mean(column, axis=0) for column in list(zip(*parts, strict=True))[:4])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        age = spent / visits
+    ends = (replace(end, probability=end.probability / len(parts)) for part in parts for end in part[4])
+    return make_passage(routings, release, routings[0].snapshot.hour, (visits, probability, age), seen, ends)
+
+
+def _solve(routing: Routing, release: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, list[Ending]]:
+    """Return visits and probability of each node, the sum of the times of its visits, what is seen of each link, and the ends.
 
     Expected entries x into the states satisfy x = first + x P, and their ages the same equation with the durations as
     source. The probability to ever enter a set of states A follows from the entries into A and those from A into A
     (Kemeny and Snell, Finite Markov Chains, section 3.2); outside loops it is the number of entries.
-
-    Raises InputError if no water flows from the node into a pipe.
     """
     snapshot, network, bands = routing.snapshot, routing.snapshot.network, routing.bands
     links, nodes = len(snapshot.links), len(network.nodes)
@@ -297,14 +308,13 @@ def follow(routing: Routing, release: int) -> Passage:
     probability[release] = 1.0
     seen = np.zeros(len(network.links))
     with np.errstate(invalid="ignore", divide="ignore"):
-        age = arrival_time / visits
         passed = enters * _sum_up(link, passes, links) / entered
     seen[snapshot.links] = np.where(entered > 0, passed, 0.0)
     left = _sum_up(head, entries * leaves, nodes)
     left[release] += max(0.0, 1 - float(first.sum()))
     rests, stops = (_sum_up(link, entries * share, links) for share in (held, stays))
     ends = _list_ends(routing, left, rests, stops, LOST * float(entries.sum()))
-    return make_passage([routing], release, snapshot.hour, (visits, probability, age), seen, ends)
+    return visits, probability, arrival_time, seen, list(ends)
 
 
 def _sum_up(place: IntArray, values: FloatArray, count: int) -> FloatArray:
@@ -322,7 +332,7 @@ def _list_ends(
     for link in np.flatnonzero(stays > MIN_PROBABILITY).tolist():
         yield Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
     for link in np.flatnonzero(held > MIN_PROBABILITY).tolist():
-        yield Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
+        yield Ending("stuck", network.links[snapshot.links[link]], held[link], routing.transfers[link].obstacle)
     if lost > MIN_PROBABILITY:
         yield Ending("circling", "", lost, "in a loop without an exit")
 

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import repeat
+from typing import Any
 
 import numpy as np
 
@@ -49,18 +51,22 @@ class Walks:
     ends: IntArray
     place: IntArray
 
-    def first_arrivals(self) -> tuple[IntArray, FloatArray]:
-        """Return node and time since the release of each first arrival of a walk at a node, (arrivals,) each."""
+    @cached_property
+    def ages(self) -> FloatArray:
+        """Time since the release at the end of each move, s, (moves,)."""
+        return np.asarray(self.reached - self.began[self.walk])
+
+    def first_arrivals(self) -> IntArray:
+        """Return the moves that end in the first arrival of a walk at a node, (arrivals,)."""
         arrived = np.flatnonzero(self.node >= 0)
         # Moves of a walk are in the order of time, so that the first of each pair is the first arrival.
         key = self.walk[arrived] * len(self.network.nodes) + self.node[arrived]
         rows = arrived[np.unique(key, return_index=True)[1]]
-        rows = rows[self.node[rows] != self.release]
-        return self.node[rows], self.reached[rows] - self.began[self.walk[rows]]
+        return np.asarray(rows[self.node[rows] != self.release])
 
     def until(self, limit: FloatArray) -> "Walks":
         """Return the same walks with the moves alone that end before a time since their release, s, (walks,)."""
-        kept = self.reached - self.began[self.walk] <= limit[self.walk] + 1e-6
+        kept = self.ages <= limit[self.walk] + 1e-6
         moves = {name: getattr(self, name)[kept] for name in ("walk", "link", "node", "low", "high", "reached")}
         return replace(self, **moves)
 
@@ -85,6 +91,15 @@ class Walks:
         np.minimum.at(low, index, self.low)
         np.maximum.at(high, index, self.high)
         return np.bincount(key % links, high - low, links) / len(self.began)
+
+
+def join_walks(parts: Sequence[Walks]) -> Walks:
+    """Return walks from one release as one, numbered on."""
+    names = ("began", "link", "node", "low", "high", "reached", "ends", "place")
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    firsts = np.cumsum([0, *(len(part.began) for part in parts[:-1])])
+    numbers = np.concatenate([part.walk + first for part, first in zip(parts, firsts, strict=True)])
+    return replace(parts[0], walk=numbers, **joined)
 
 
 def walk(
@@ -298,7 +313,8 @@ def _accumulate(probability: FloatArray) -> FloatArray:
 def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = True) -> Passage:
     """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
     nodes = len(walks.network.nodes)
-    node, time = walks.first_arrivals()
+    rows = walks.first_arrivals()
+    node, time = walks.node[rows], walks.ages[rows]
     arrivals = np.bincount(node, minlength=nodes)
     probability = arrivals / len(walks.began)
     with np.errstate(invalid="ignore"):
@@ -342,11 +358,11 @@ def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
 def measure_quantiles(walks: Walks) -> FloatArray:
     """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
     found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
-    node, time = walks.first_arrivals()
-    order = np.argsort(node, kind="stable")
-    nodes, starts = np.unique(node[order], return_index=True)
+    rows = walks.first_arrivals()
+    rows = rows[np.argsort(walks.node[rows], kind="stable")]
+    nodes, starts = np.unique(walks.node[rows], return_index=True)
     # Where no walk arrives at all, split returns one empty part.
-    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=False):
+    for place, times in zip(nodes, np.split(walks.ages[rows], starts[1:]), strict=False):
         found[place] = np.quantile(times, QUANTILES)
     found[walks.release] = 0.0
     return found

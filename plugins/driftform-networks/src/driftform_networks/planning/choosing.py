@@ -11,13 +11,14 @@ from driftform.types import FloatArray
 from driftform_networks.hydraulics.network import BoolArray, IntArray, Snapshot
 
 
-def choose_greedily(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Choose bodies one after the other, each the one that adds most; any may be chosen more than once.
+def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Choose bodies one after the other, each the one that adds most, then exchange them while that helps; any may be chosen more than once.
 
     Bodies travel independently, so that a fleet sees a link with 1 - prod(1 - p). The expected length that it sees is a
     monotone submodular function of the fleet: the greedy choice sees at least 1 - 1/e of what the best choice of this
     size sees (Nemhauser, Wolsey and Fisher 1978, doi:10.1007/BF01588971). The bound that is returned is usually closer:
     k more bodies add at most k times what the best of them adds now (Leskovec et al. 2007, doi:10.1145/1281192.1281239).
+    The first body is the one that sees most alone, which may be a poor partner for the others; hence the exchanges.
 
     Args:
         seen: probability that each body sees each link, (bodies, links).
@@ -26,7 +27,8 @@ def choose_greedily(seen: FloatArray, length: FloatArray, size: int) -> tuple[In
 
     Returns:
         chosen, coverage, bound: row of each body that is chosen, in order; the share of the length that the first 1, 2,
-            ... of them see; and an upper bound on the share that any choice of so many rows sees, (size,) each.
+            ... of the greedy choice see, and as the last that all see after the exchanges; and an upper bound on the share
+            that any choice of so many rows sees, (size,) each.
     """
     missed, total = np.ones(len(length)), length.sum()
     chosen, coverage = np.empty(size, np.int64), np.empty(size)
@@ -39,18 +41,7 @@ def choose_greedily(seen: FloatArray, length: FloatArray, size: int) -> tuple[In
         chosen[step] = np.flatnonzero(gain >= gain.max() * (1 - 1e-9))[0]
         missed = missed * (1 - seen[chosen[step]])
         coverage[step] = (total - length @ missed) / total
-    return chosen, coverage, np.maximum(np.minimum(bound / total, 1.0), coverage)
-
-
-def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the choice of :func:`choose_greedily`, improved by exchanges of one body for another while they help.
-
-    The first body of the greedy choice is the one that sees most alone, which may be a poor partner for the others. The
-    coverage of the whole fleet is that after the exchanges; those of the smaller ones are without. The bound still holds.
-    """
-    chosen, coverage, bound = choose_greedily(seen, length, size)
-    total = length.sum()
-    improved = True
+    bound, improved = np.maximum(np.minimum(bound / total, 1.0), coverage), True
     while improved:
         improved = False
         for place in range(size):

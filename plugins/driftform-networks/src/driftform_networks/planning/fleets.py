@@ -32,11 +32,6 @@ class Member:
     coverage: float
     gain: float
 
-    @property
-    def release(self) -> str:
-        """Name of the node of its release."""
-        return self.passage.network.nodes[self.passage.release]
-
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
@@ -116,7 +111,7 @@ class Fleet:
         """Return the members as columns, for ``pandas.DataFrame(fleet.member_table())``."""
         return {
             "agent": [member.agent for member in self.members],
-            "release": [member.release for member in self.members],
+            "release": [self.network.nodes[member.passage.release] for member in self.members],
             "hour": [member.passage.hour for member in self.members],
             "probability": [member.coverage for member in self.members],
             "gain": [member.gain for member in self.members],
@@ -172,17 +167,17 @@ def plan_fleet(
     length = np.where(reachable, network.worth, 0.0)
     blocked = asked.travel.list_blocked(network)
 
-    def follow_all(route: Callable[[Snapshot], Routing]) -> list[Passage]:
-        known = cache(route)
-        return [case.follow(known) for case in cases]
+    def follow_all(*routes: Callable[[Snapshot], Routing]) -> list[Passage]:
+        known = [cache(route) for route in routes]
+        return [case.follow(*known) for case in cases]
 
     def choose_water(retained: bool) -> FloatArray:
         drifters = follow_all(partial(route_tracers, retained=retained, blocked=blocked))
         return choose_fleet(np.array([passage.seen for passage in drifters]), length, size)[1]
 
     names = [traveller.name for traveller in travellers for _ in cases]
-    routes = progress.track_progress((traveling.route for traveling in travelings), len(travelings), "bodies", 1.0)
-    passages = [passage for route in routes for passage in follow_all(route)]
+    bodies = progress.track_progress(travelings, len(travelings), "bodies", 1.0)
+    passages = [passage for drawn in bodies for passage in follow_all(*(one.route for one in drawn))]
     seen = np.array([passage.seen for passage in passages])
     chosen, curve, choice_bound = choose_fleet(seen, length, size)
     missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from driftform_networks.flights.travelling import Travel, Traveling, make_flight
 from driftform_networks.hydraulics.network import BoolArray, Network, Snapshot, divide_flow, take_snapshot
 from driftform_networks.passages.passage import Passage, find_reachable, follow
 from driftform_networks.passages.routing import Routing, route_tracers
-from driftform_networks.passages.walkers import Walks, measure_quantiles, summarise_walks, walk
+from driftform_networks.passages.walkers import Walks, join_walks, measure_quantiles, summarise_walks, walk
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,11 @@ class How:
 
     def fly(
         self, travellers: Sequence[Traveller], travels: Sequence[Travel], snapshots: Sequence[Snapshot]
-    ) -> list[Traveling]:
-        """Return what routes each body in each way to travel, its flights in the snapshots made."""
-        travelings = [Traveling(body, travel, self.cache) for body in travellers for travel in travels]
-        make_flights(travelings, snapshots, self.workers)
-        return travelings
+    ) -> list[list[Traveling]]:
+        """Return what routes each body in each way to travel, by the weights that are drawn for it, its flights in the snapshots made."""
+        made = [[Traveling(one, travel, self.cache) for one in body.drawn] for body in travellers for travel in travels]
+        make_flights([*chain.from_iterable(made)], snapshots, self.workers)
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,30 +102,33 @@ class Case:
         """Return whether water of the release reaches each link, (links,)."""
         return find_reachable(self.network, self.node, [snapshot.step for snapshot in self.snapshots])
 
-    def walk(self, routings: Sequence[Routing]) -> Walks:
-        """Return routes of bodies, by their tables in each snapshot."""
+    def walk(self, drawn: Sequence[Sequence[Routing]]) -> Walks:
+        """Return routes of bodies, as many by each of the tables that are drawn, those in each snapshot."""
         hydraulics, began = self.network.hydraulics, self.hour * 3600
         end = np.inf if self.how.is_steady(self.network) else hydraulics.end
         end = end if self.how.within is None else began + self.how.within * 3600
         times = [*(hydraulics.times[snapshot.step] for snapshot in self.snapshots), end]
         rng = np.random.default_rng(self.how.seed)
-        return walk(routings, times, self.node, np.full(max(self.how.walks, 1), began), rng, self.how.demand_error)
+        starts = np.array_split(np.full(max(self.how.walks, 2), began), len(drawn))
+        pairs = zip(drawn, starts, strict=True)
+        return join_walks([walk(part, times, self.node, start, rng, self.how.demand_error) for part, start in pairs])
 
-    def follow(self, route: Callable[[Snapshot], Routing]) -> Passage:
-        """Return the passage of bodies whose tables ``route`` makes.
+    def follow(self, *routes: Callable[[Snapshot], Routing]) -> Passage:
+        """Return the passage of bodies, of which as many go by the tables that each of ``routes`` makes.
 
         Where the flows remain, the chain of the tables is solved; walks only add the distribution of arrival times. Where
         they change, a body may come back, and what it has seen depends on its whole route: all of it is read from walks.
         """
-        how, routings = self.how, [route(snapshot) for snapshot in self.snapshots]
+        how, drawn = self.how, [[route(snapshot) for snapshot in self.snapshots] for route in routes]
+        routings = [*chain.from_iterable(drawn)]
         is_steady = how.is_steady(self.network)
         if not is_steady or how.within is not None:
-            return summarise_walks(self.walk(routings), routings, not is_steady)
-        passage = follow(routings[0], self.node)
+            return summarise_walks(self.walk(drawn), routings, not is_steady)
+        passage = follow(routings, self.node)
         if not how.walks:
             return passage
         reached = passage.probability[:, None] > 0
-        return replace(passage, quantiles=np.where(reached, measure_quantiles(self.walk(routings)), np.nan))
+        return replace(passage, quantiles=np.where(reached, measure_quantiles(self.walk(drawn)), np.nan))
 
 
 def find_cases(network: Network, releases: Sequence[str], hours: Sequence[float], how: How) -> list[Case]:
@@ -179,7 +183,7 @@ def route(
     travel, sides = case.how.travel, SIDES if compare and case.how.is_steady(network) else ()
     travels = [travel, *(replace(travel, branch=side) for side in sides)]
     first, *others = case.how.fly([traveller], travels, case.snapshots)
-    passage = case.follow(first.route)
+    passage = case.follow(*(one.route for one in first))
     shown = progress.track_progress(others, len(others), "sides where branches leave", 1.0)
-    compared = (follow(other.route(case.snapshots[0]), passage.release) for other in shown)
+    compared = (follow([one.route(case.snapshots[0]) for one in other], passage.release) for other in shown)
     return replace(passage, branches=dict(zip(sides, compared, strict=True)))

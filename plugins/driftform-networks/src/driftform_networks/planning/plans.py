@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -68,30 +69,24 @@ class Plan:
         worth = np.where(self.reachable, self.network.worth, 0.0)
         return float(worth @ seen / worth.sum())
 
-    def member_table(self) -> dict[str, list[Any]]:
-        """Return the releases as columns."""
-        return {name: [row[i] for row in self.members] for i, name in enumerate(("agent", "release", "hour"))}
-
-    def net_table(self) -> dict[str, list[Any]]:
-        """Return the nets as columns, with their places on the map."""
-        x, y = self.network.places[[self.network.find_node(name) for name in self.nets]].T.tolist()
-        shares = {"catches": self.catches.tolist(), "mean_age_s": self.arrivals.tolist()}
-        return {"node": list(self.nets), "x": x, "y": y} | shares
-
-    def link_table(self) -> dict[str, list[Any]]:
-        """Return the reachable links as columns."""
-        return self.network.tabulate_links(self.reachable, alone=self.alone, seen=self.seen, recorded=self.recorded)
-
     def list_tables(self) -> dict[str, dict[str, list[Any]]]:
-        """Return the tables by name."""
-        return {"members": self.member_table(), "nets": self.net_table(), "links": self.link_table()}
+        """Return the tables by name: the releases, the nets with their places on the map, and the reachable links."""
+        x, y = self.network.places[[self.network.find_node(name) for name in self.nets]].T.tolist()
+        shares = {name: getattr(self, name) for name in ("alone", "seen", "recorded")}
+        return {
+            "members": dict(zip(("agent", "release", "hour"), map(list, zip(*self.members, strict=True)), strict=True)),
+            "nets": {"node": list(self.nets), "x": x, "y": y}
+            | {"catches": self.catches.tolist(), "mean_age_s": self.arrivals.tolist()},
+            "links": self.network.tabulate_links(self.reachable, **shares),
+        }
 
     def as_document(self) -> dict[str, Any]:
         """Return the plan as plain values for JSON."""
+        tables = self.list_tables()
         return {
             "network": self.network.name,
-            "members": list_rows(self.member_table()),
-            "nets": list_rows(self.net_table()),
+            "members": list_rows(tables["members"]),
+            "nets": list_rows(tables["nets"]),
             "caught": float(self.catches.sum()),
             "coverage": self.measure(self.alone),
             "coverage_with_nets": self.measure(self.seen),
@@ -183,11 +178,12 @@ def plan_inspection(
     travelings = asked.fly(travellers, [asked.travel], [snap for flow in flows.values() for snap in flow])
     followed: list[tuple[str, Case, Walks]] = []
     passed: list[tuple[dict[int, str], list[Ending]]] = []
-    for traveller, traveling in zip(travellers, travelings, strict=True):
-        route = cache(traveling.route)
+    for traveller, drawn in zip(travellers, travelings, strict=True):
+        routes = [cache(traveling.route) for traveling in drawn]
         for case in progress.track_progress(cases, len(cases), "releases", 1.0):
-            routings = [route(snap) for snap in case.snapshots]
-            followed.append((traveller.name, case, case.walk(routings)))
+            tables = [[route(snap) for snap in case.snapshots] for route in routes]
+            routings = [*chain.from_iterable(tables)]
+            followed.append((traveller.name, case, case.walk(tables)))
             visits = np.bincount(followed[-1][2].node + 1, minlength=len(network.nodes) + 1)[1:]
             ends = list(count_ends(followed[-1][2], routings))
             passed.append((find_passings(routings, visits.astype(np.float64)), ends))
@@ -243,16 +239,15 @@ def _tabulate(
     marks[list(allowed)] = True
     rows, columns, times, records = [], [], [], []
     for number, path in enumerate(paths):
-        record = np.where(path.reached - path.began[path.walk] <= life[path.walk], path.measure_records(), -1.0)
+        record = np.where(path.ages <= life[path.walk], path.measure_records(), -1.0)
         # A body that outlives its battery keeps what it has seen until then.
         best = np.zeros(count)
         np.maximum.at(best, path.walk, record)
-        arrived = np.flatnonzero((path.node >= 0) & marks[path.node] & (path.node != path.release))
-        key = path.walk[arrived] * len(network.nodes) + path.node[arrived]
-        arrived = arrived[np.unique(key, return_index=True)[1]]
+        arrived = path.first_arrivals()
+        arrived = arrived[marks[path.node[arrived]]]
         rows.append(path.node[arrived])
         columns.append(number * count + path.walk[arrived])
-        times.append(path.reached[arrived] - path.began[path.walk[arrived]])
+        times.append(path.ages[arrived])
         records.append(np.where(record[arrived] >= 0, record[arrived], best[path.walk[arrived]]))
     row, column = np.concatenate(rows), np.concatenate(columns)
     passed = np.bincount(row, minlength=len(marks))
