@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 from program import write_metadata
 
-from driftform.cli import plugins
+from driftform.cli.options import FILE
 from driftform.interfaces import SEAMS
 from driftform.plugins.scaffold import KINDS, list_files, make_names
 
@@ -197,7 +198,8 @@ def test_names_are_normalised(call, tmp_path):
 
 
 def test_the_help_names_what_a_plugin_can_bring():
-    assert plugins.KINDS.replace(" or ", ", ").split(", ") == list(KINDS)
+    shown = tomllib.loads(FILE.read_text(encoding="utf-8"))["new"]["seam"]["help"]
+    assert re.split(", | or ", shown.removeprefix("Seam to implement: ").removesuffix(".")) == list(KINDS)
 
 
 # Installed for real.

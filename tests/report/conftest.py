@@ -2,11 +2,12 @@
 
 import pytest
 
-from driftform.cli.report import report
 from driftform.runs.directory import DATABASE
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
+from driftform.search.report.page import write_report
 from driftform.study import load_study
 
 
@@ -18,5 +19,5 @@ def run_with_page(tmp_path_factory):
     study = load_study("paper", use={"simulator": "native", "strategy": "random"}, run={"seed": 4, "evaluations": 20})
     with Store.create(directory / DATABASE, dict(study.document)) as store:
         run_search(study, store, InProcess(study.make_pipeline()))
-    report(directory)
+    write_report(StoredRun.open(directory), None)
     return directory

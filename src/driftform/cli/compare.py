@@ -3,47 +3,40 @@
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import typer
 
-from driftform.cli.complete import complete_plugin, complete_study
-from driftform.cli.options import Json, Robust, Scheduler, Settings, Simulator, Style, WidthMm, Workers, make_option
+from driftform.cli.options import FILE, declare
 
 if TYPE_CHECKING:
     from driftform.search.comparison import Repeats
 
 
-def _make_seam(seam: str, what: str) -> Any:
-    return make_option("NAME", f"{what} to compare; repeatable.", complete=complete_plugin(seam))
-
-
-def compare(
-    study: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="STUDY...", help="Study files, or names of built-in scenarios.", autocompletion=complete_study
-        ),
-    ],
-    strategy: Annotated[list[str] | None, _make_seam("strategy", "Search strategy")] = None,
-    grammar: Annotated[list[str] | None, _make_seam("grammar", "Grammar")] = None,
-    fitness: Annotated[list[str] | None, _make_seam("fitness", "Fitness")] = None,
-    hydrodynamics: Annotated[list[str] | None, _make_seam("hydrodynamics", "Hydrodynamic model")] = None,
-    seeds: Annotated[int, make_option("N", "Repeats of each search, each with its own seed.", min=2, max=1000)] = 10,
-    seed: Annotated[int, make_option("N", "Seed of the first repeat.", min=0)] = 1,
-    evaluations: Annotated[
-        int | None, make_option("N", "Flights of each repeat; by default those of the first search.", min=1)
-    ] = None,
-    robust: Robust = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    simulator: Simulator = None,
-    out: Annotated[Path, make_option("DIR", "Directory for runs, table and figure.")] = Path("comparison"),
-    style: Style = "screen",
-    width_mm: WidthMm = None,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
+@declare(
+    FILE,
+    *(
+        "study",
+        "strategy",
+        "grammar",
+        "fitness",
+        "hydrodynamics",
+        "seeds",
+        "seed",
+        "evaluations",
+        "robust",
+        "workers",
+        "scheduler",
+        "simulator",
+        "out",
+        "style",
+        "width_mm",
+        "settings",
+        "json",
+    ),
+)
+def compare(given: SimpleNamespace) -> None:
     """Repeat searches over seeds with equal budgets, and compare what they find.
 
     What is named several times is compared: studies, strategies, grammars, fitnesses or hydrodynamic models; of several
@@ -57,21 +50,34 @@ def compare(
     from driftform.search.comparison import ALL, MEASURES
     from driftform.util.files import check_directory, make_directory
 
-    page, numbers = formats.parse_page(style, width_mm), range(seed, seed + seeds)
-    use = {"strategy": strategy, "grammar": grammar, "fitness": fitness, "hydrodynamics": hydrodynamics}
-    more = [] if robust is None else [f"robustness.conditions={robust}"]
+    page, numbers = formats.parse_page(given.style, given.width_mm), range(given.seed, given.seed + given.seeds)
+    use = {
+        "strategy": given.strategy,
+        "grammar": given.grammar,
+        "fitness": given.fitness,
+        "hydrodynamics": given.hydrodynamics,
+    }
+    more = [] if given.robust is None else [f"robustness.conditions={given.robust}"]
     searches = _load_searches(
-        study, use, simulator, [*(settings or ()), *more], numbers, evaluations, check_directory(out)
+        given.study,
+        use,
+        given.simulator,
+        [*(given.settings or ()), *more],
+        numbers,
+        given.evaluations,
+        check_directory(given.out),
     )
-    search_repeats(list(searches.values()), scheduler, workers, f"the same driftform compare --out {out}")
+    search_repeats(
+        list(searches.values()), given.scheduler, given.workers, f"the same driftform compare --out {given.out}"
+    )
     outcomes = {name: comparison.read_outcome(repeats) for name, repeats in searches.items()}
-    table = out / "comparison.csv"
+    table = given.out / "comparison.csv"
     comparison.write_values(table, outcomes, numbers)
-    subtitle = f"Best fitness so far (%) against flights: median and quartiles over {seeds} repeats"
+    subtitle = f"Best fitness so far (%) against flights: median and quartiles over {given.seeds} repeats"
     picture = trend_svg(comparison.draw_curves(outcomes), "Searches side by side", subtitle, page)
-    figures = write_picture(make_directory(out / "figures") / "comparison.svg", picture, page)
+    figures = write_picture(make_directory(given.out / "figures") / "comparison.svg", picture, page)
     found = comparison.compare_outcomes(outcomes)
-    if json:
+    if given.json:
         searched = {
             name: {**row, "failed": outcomes[name].failed, "runs": [str(path) for path in searches[name]]}
             for name, row in found.items()
@@ -80,14 +86,14 @@ def compare(
         return
     first, row = next(iter(found.items()))
     for measure in row:
-        print(f"{MEASURES[measure][0]}, {MEASURES[measure][1]}, mean over targets, {seeds} repeats:")
+        print(f"{MEASURES[measure][0]}, {MEASURES[measure][1]}, mean over targets, {given.seeds} repeats:")
         header = ("search", "median", "25 %", "75 %", f"minus {first}", "from", "to", "p")
         keys = ("median", "q1", "q3", "difference", "low", "high", "p")
         cells = ((name, *(_format(row[measure][ALL].get(key)) for key in keys)) for name, row in found.items())
         output.print_table(header, cells, right=range(1, len(header)))
     print(f"table:  {table}")
     print(f"figure: {', '.join(map(str, figures))}")
-    print(f"runs:   {out}/runs/")
+    print(f"runs:   {given.out}/runs/")
 
 
 def _format(value: float | None) -> str:

@@ -1,11 +1,12 @@
 """``driftform export``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from driftform.cli.options import AGENT_HELP, Bed, ExporterOptions, Json, Settings, make_option
+from driftform.cli.options import FILE, declare
 
 if TYPE_CHECKING:
     from driftform.design.design import Design
@@ -15,25 +16,8 @@ ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 """The fit coupon is the same for all agents with a core."""
 
 
-def export(
-    agent: Annotated[str | None, typer.Argument(metavar="AGENT", help=AGENT_HELP)] = None,
-    format: Annotated[str, make_option("NAME[,NAME...]", "Exporters, as 'driftform plugins' lists them.")] = "stl",
-    out: Annotated[Path, make_option("DIR", "Directory for the files.")] = Path("parts"),
-    kit: Annotated[
-        bool, typer.Option("--kit", help="Cut the hull into parts that hold the core and are joined after printing.")
-    ] = False,
-    coupon: Annotated[
-        bool,
-        typer.Option(
-            "--coupon",
-            help="Write a fit coupon instead of an agent: a print of it shows which clearance of joints suits the printer.",
-        ),
-    ] = False,
-    bed: Bed = None,
-    option: ExporterOptions = None,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "agent", "format", "out", "kit", "coupon", "bed", "option", "settings", "json")
+def export(given: SimpleNamespace) -> None:
     """Write the hull of an agent as files for printers and other programs; older files of the same name are replaced."""
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_files, print_json
@@ -41,33 +25,35 @@ def export(
     from driftform.plugins.registry import registry
     from driftform.util.files import make_directory
 
-    if agent is None and not coupon:
+    if given.agent is None and not given.coupon:
         raise InputError("AGENT is missing: name an agent, or write the fit coupon with --coupon")
-    names = parse_formats(format, "exporter", "stl")
-    whole = [name for name in names if kit and "kit" not in registry().find("exporter", name).Options.model_fields]
+    names = parse_formats(given.format, "exporter", "stl")
+    whole = [
+        name for name in names if given.kit and "kit" not in registry().find("exporter", name).Options.model_fields
+    ]
     if whole and whole != names:
         typer.echo(f"note: not written: {', '.join(whole)}, which holds no parts of a kit", err=True)
         names = [name for name in names if name not in whole]
-    asked = [*(option or ()), *(["coupon=true"] if coupon else [])]
-    design = open_exported(agent or ANY_AGENT, names, kit, bed, asked, settings or ())
-    make_directory(out)
-    stem = "coupon" if coupon else design.name
-    paths = {name: out / f"{stem}{design.study.make_exporter(name).suffix}" for name in names}
+    asked = [*(given.option or ()), *(["coupon=true"] if given.coupon else [])]
+    design = open_exported(given.agent or ANY_AGENT, names, given.kit, given.bed, asked, given.settings or ())
+    make_directory(given.out)
+    stem = "coupon" if given.coupon else design.name
+    paths = {name: given.out / f"{stem}{design.study.make_exporter(name).suffix}" for name in names}
     # Several formats of a kit have the same assembly sheet.
     found: dict[str, WrittenFile] = {}
     for name, path in paths.items():
         try:
             found |= {file.path: file for file in design.export_files(name, path)}
         except WorkFailedError as error:
-            raise WorkFailedError(f"{error}{_name_other_options(design, name) if kit else ''}") from None
+            raise WorkFailedError(f"{error}{_name_other_options(design, name) if given.kit else ''}") from None
     written = list(found.values())
-    if not coupon and (note := design.describe_missing_kit(written)):
+    if not given.coupon and (note := design.describe_missing_kit(written)):
         typer.echo(f"note: {note}: write them with --kit", err=True)
-    if json:
+    if given.json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return
     # Of a folder with dozens of files, only the one to open is listed.
-    print_files(written, out)
+    print_files(written, given.out)
     for path in paths.values():
         if path.is_dir():
             print(f"{path}: {sum(path in Path(w.path).parents for w in written)} files")

@@ -1,35 +1,15 @@
 """``driftform export-flight``."""
 
 from pathlib import Path
-from typing import Annotated
+from types import SimpleNamespace
 
 import typer
 
-from driftform.cli.options import (
-    Agent,
-    FlightDirectory,
-    Hydrodynamics,
-    Json,
-    ScenarioOption,
-    Settings,
-    Simulator,
-    make_option,
-)
+from driftform.cli.options import FILE, declare
 
 
-def export_flight(
-    agent: Agent,
-    format: Annotated[str, make_option("NAME[,NAME...]", "Recorders, as 'driftform plugins' lists them.")] = "csv",
-    scenario: ScenarioOption = None,
-    simulator: Simulator = None,
-    hydrodynamics: Hydrodynamics = None,
-    rate_hz: Annotated[
-        float, make_option("HZ", "Samples per second of flight; 0 for the simulator's own samples.")
-    ] = 100.0,
-    out: FlightDirectory = None,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, *("agent", "format", "scenario", "simulator", "hydrodynamics", "rate_hz", "out", "settings", "json"))
+def export_flight(given: SimpleNamespace) -> None:
     """Simulate one flight and write its samples for other programs, such as Foxglove, RViz or pandas.
 
     Older files of the same name are replaced.
@@ -41,10 +21,15 @@ def export_flight(
     from driftform.motion.path.thinning import check_rate
     from driftform.util.files import make_directory
 
-    names = parse_formats(format, "recorder", "csv")
-    check_rate(rate_hz)
-    design = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
-    folder = make_directory(out or Path("flights") / design.name)
+    names = parse_formats(given.format, "recorder", "csv")
+    check_rate(given.rate_hz)
+    design = open_agent(
+        given.agent,
+        given.scenario,
+        given.settings or (),
+        {"simulator": given.simulator, "hydrodynamics": given.hydrodynamics},
+    )
+    folder = make_directory(given.out or Path("flights") / design.name)
     trajectory = design.trace()
     for line in design.list_limits():
         typer.echo(f"warning: {line}", err=True)
@@ -54,11 +39,11 @@ def export_flight(
         for file in design.record_files(
             name,
             folder / f"{design.name}{design.study.make_recorder(name).suffix}",
-            rate_hz=rate_hz,
+            rate_hz=given.rate_hz,
             trajectory=trajectory,
         )
     ]
-    if json:
+    if given.json:
         print_json(
             {
                 "agent": design.name,

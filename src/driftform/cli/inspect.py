@@ -1,48 +1,31 @@
 """``driftform inspect``."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, make_option
+from driftform.cli.options import FILE, declare
 
 if TYPE_CHECKING:
     from driftform.interfaces import Fitness
 
 
-def inspect(
-    agent: Agent,
-    scenario: ScenarioOption = None,
-    hydrodynamics: Hydrodynamics = None,
-    settings: Settings = None,
-    compare: Annotated[
-        bool, typer.Option("--compare", help="Compare the added mass by all installed hydrodynamic models.")
-    ] = False,
-    block: Annotated[
-        str | None,
-        make_option(
-            "FORMAT",
-            "Print only added mass, damping and buoyancy in a format such as sdf, uuv, urdf or fossen, to paste "
-            "into another model.",
-        ),
-    ] = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "agent", "scenario", "hydrodynamics", "settings", "compare", "block", "json")
+def inspect(given: SimpleNamespace) -> None:
     """Show an agent's modules, mass, buoyancy, inertia, added mass and warnings."""
     from driftform.cli.output import print_json
     from driftform.design.opening import open_agent
     from driftform.errors import InputError
 
-    if block is not None and (compare or json):
+    if given.block is not None and (given.compare or given.json):
         raise InputError("--block prints a part of a file: leave out --compare and --json")
-    design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
-    if block is not None:
-        print(design.describe_water(block), end="")
+    design = open_agent(given.agent, given.scenario, given.settings or (), {"hydrodynamics": given.hydrodynamics})
+    if given.block is not None:
+        print(design.describe_water(given.block), end="")
         return
     facts = design.inspect()
-    if compare:
+    if given.compare:
         facts["compare"] = design.compare_added_mass()
-    if json:
+    if given.json:
         print_json(facts)
     else:
         _print(facts, design.pipeline.fitness)

@@ -1,17 +1,13 @@
 """``driftform plugins``."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json, make_option
-
-KINDS = (
-    "grammar, builder, fitting, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
-    "renderer, checker, commands or scenarios"
-)
+from driftform.cli.options import FILE, Json, declare
 
 
 def list_(json: Json = False) -> None:
@@ -75,12 +71,8 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 
 
 @app.command("new", cls=Command)
-def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
-    seam: Annotated[str, make_option("SEAM", f"Seam to implement: {KINDS}.")],
-    out: Annotated[Path | None, make_option("DIR", "Directory for the files; by default NAME.")] = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "name", "seam", "out", "json")
+def new(given: SimpleNamespace) -> None:
     """Create a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""
     import shlex
 
@@ -88,8 +80,8 @@ def new(
     from driftform.plugins.scaffold import list_files, list_installation, list_uses, make_names
     from driftform.util.files import check_new_directory, write_folder, write_text
 
-    names = make_names(name, seam)
-    folder = out if out is not None else Path(names.distribution)
+    names = make_names(given.name, given.seam)
+    folder = given.out if given.out is not None else Path(names.distribution)
     check_new_directory(folder)
     files = list_files(names)
     with write_folder(folder) as part:
@@ -99,20 +91,20 @@ def new(
     run = "uv run " if install.startswith("uv add ") else ""
     uses = (f"driftform plugins show {names.plugin}", "driftform scenarios check study.toml", *list_uses(names))
     following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
-    if json:
+    if given.json:
         print_json(
             {
                 "distribution": names.distribution,
                 "package": names.package,
                 "plugin": names.plugin,
-                "seams": [seam],
+                "seams": [given.seam],
                 "folder": str(folder),
                 "files": [str(folder / path) for path in files],
                 "next": following,
             }
         )
         return
-    print(f"{names.distribution}: {seam} '{names.plugin}', to be changed")
+    print(f"{names.distribution}: {given.seam} '{names.plugin}', to be changed")
     for path in files:
         print(f"  {folder / path}")
     print("next:")

@@ -1,25 +1,12 @@
 """``driftform report``."""
 
-from pathlib import Path
-from typing import Annotated
+from types import SimpleNamespace
 
-from driftform.cli.options import Json, RunArgument, Style, WidthMm, make_option
+from driftform.cli.options import FILE, declare
 
 
-def report(
-    run: RunArgument,
-    out: Annotated[
-        Path | None,
-        make_option(
-            "FILE",
-            "File to write; by default RUN/report.html. With --style paper, directory for the figures; by default "
-            "RUN/figures/paper.",
-        ),
-    ] = None,
-    style: Style = "screen",
-    width_mm: WidthMm = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "run", "out", "style", "width_mm", "json")
+def report(given: SimpleNamespace) -> None:
     """Write the report of a run, one HTML page: results, pictures, and the best agents and their flights in 3D.
 
     The page is one file that needs no network. It shows the state of the run when the command begins.
@@ -31,14 +18,14 @@ def report(
     from driftform.runs.run import StoredRun
     from driftform.search.report.page import write_figures, write_report
 
-    page = parse_page(style, width_mm)
+    page = parse_page(given.style, given.width_mm)
     if page.is_paper:
-        figures = [str(path) for path in write_figures(StoredRun.open(run), out, page)]
-        print_json({"figures": figures}) if json else print(*figures, sep="\n")
+        figures = [str(path) for path in write_figures(StoredRun.open(given.run), given.out, page)]
+        print_json({"figures": figures}) if given.json else print(*figures, sep="\n")
         return
-    contents, path = write_report(StoredRun.open(run), out)
+    contents, path = write_report(StoredRun.open(given.run), given.out)
     size = path.stat().st_size
-    if json:
+    if given.json:
         print_json({"report": str(path), "evaluations": contents.evaluations, "bytes": size})
         return
     print(f"report: {path} ({size / 1e6:.2f} MB, opens in any browser, also without a network)")

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json, Settings, StudyName, make_option
+from driftform.cli.options import FILE, Json, declare
 from driftform.errors import InputError
 
 
@@ -54,14 +55,8 @@ def show(
 
 
 @app.command("check", cls=Command)
-def check(
-    file: StudyName,
-    picture: Annotated[
-        Path | None, make_option("FILE", "SVG file for a picture of the pipe with its targets and errors.")
-    ] = None,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "file", "picture", "settings", "json")
+def check(given: SimpleNamespace) -> None:
     """Check a study without running it: list its errors, or show its contents and warnings."""
     from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
@@ -70,22 +65,22 @@ def check(
     from driftform.util.files import check_directory, write_text
 
     try:
-        study = load_study(file, settings or ())
+        study = load_study(given.file, given.settings or ())
     except InputError as error:
-        if picture is not None:
-            _draw_faults(file, settings or (), picture, error)
+        if given.picture is not None:
+            _draw_faults(given.file, given.settings or (), given.picture, error)
         raise
     warnings = study.list_warnings()
     if study.scenario.targets:
         study.make_strategy()
     document, scenario = study.document, study.scenario
-    if picture is not None:
+    if given.picture is not None:
         from driftform.figures.pipe import pipe_svg
 
-        check_directory(picture.parent, "--picture")
-        write_text(picture, pipe_svg(scenario, document.get("title", "") or file, notes=warnings))
+        check_directory(given.picture.parent, "--picture")
+        write_text(given.picture, pipe_svg(scenario, document.get("title", "") or given.file, notes=warnings))
     found = {
-        "file": file,
+        "file": given.file,
         "title": document.get("title", ""),
         "targets": dict(scenario.targets),
         "pipe": len(scenario.pipe.layout.parts),
@@ -96,13 +91,13 @@ def check(
         "evaluations": study.evaluations,
         "formats": list(study.run.formats),
         "warnings": warnings,
-        "picture": None if picture is None else str(picture),
+        "picture": None if given.picture is None else str(given.picture),
     }
-    if json:
+    if given.json:
         print_json(found)
         return
     verdict = f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
-    print_text(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
+    print_text(f"{given.file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     outlets = found["outlets"]
     pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
@@ -122,8 +117,8 @@ def check(
         print(f"  {name:{width}}  {value}")
     for warning in warnings:
         print_text(f"warning: {warning}")
-    if picture is not None:
-        print(f"picture: {picture}")
+    if given.picture is not None:
+        print(f"picture: {given.picture}")
 
 
 def _draw_faults(file: str, settings: Sequence[str], picture: Path, fault: InputError) -> None:

@@ -1,27 +1,12 @@
 """``driftform simulate``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from driftform.cli.options import (
-    Agent,
-    Film,
-    FlightDirectory,
-    Hydrodynamics,
-    Json,
-    Renderer,
-    Robust,
-    ScenarioOption,
-    Settings,
-    Simulator,
-    Still,
-    StillAt,
-    Style,
-    WidthMm,
-    make_option,
-)
+from driftform.cli.options import FILE, declare
 
 BAR = 20
 """Width of the longest bar, columns."""
@@ -37,23 +22,27 @@ if TYPE_CHECKING:
     from driftform.types import Trajectory
 
 
-def simulate(
-    agent: Agent,
-    scenario: ScenarioOption = None,
-    simulator: Simulator = None,
-    hydrodynamics: Hydrodynamics = None,
-    out: FlightDirectory = None,
-    film: Film = None,
-    still: Still = None,
-    still_at: StillAt = None,
-    renderer: Renderer = "exudyn",
-    robust: Robust = None,
-    seed: Annotated[int, make_option("N", "Seed of the conditions of --robust.", min=0)] = 0,
-    style: Style = "screen",
-    width_mm: WidthMm = None,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
+@declare(
+    FILE,
+    *(
+        "agent",
+        "scenario",
+        "simulator",
+        "hydrodynamics",
+        "out",
+        "film",
+        "still",
+        "still_at",
+        "renderer",
+        "robust",
+        "seed",
+        "style",
+        "width_mm",
+        "settings",
+        "json",
+    ),
+)
+def simulate(given: SimpleNamespace) -> None:
     """Simulate one flight of an agent; show its closest approaches, its end and a picture.
 
     With --robust, also simulates flights under disturbed conditions, and shows by how much they miss and which
@@ -68,31 +57,36 @@ def simulate(
     from driftform.util.files import check_directory, make_directory
     from driftform.util.progress import count_progress
 
-    page = parse_page(style, width_mm)
-    design = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
-    if still is None and still_at is not None:
+    page = parse_page(given.style, given.width_mm)
+    design = open_agent(
+        given.agent,
+        given.scenario,
+        given.settings or (),
+        {"simulator": given.simulator, "hydrodynamics": given.hydrodynamics},
+    )
+    if given.still is None and given.still_at is not None:
         raise InputError("--still-at is the moment of a still: give --still FILE too")
-    _check_pictures(design, film, still, renderer)
-    folder = check_directory(out or Path("flights") / design.name)
+    _check_pictures(design, given.film, given.still, given.renderer)
+    folder = check_directory(given.out or Path("flights") / design.name)
     flight = design.simulate()
-    check_moment(flight, still_at)
+    check_moment(flight, given.still_at)
     make_directory(folder)
     csv, svg = folder / "trajectory.csv", folder / "flight.svg"
     write_trajectory(csv, flight.trajectory)
     pdf = next(iter(flight.draw(svg, page.width_mm)[1:]), None)
-    if still is not None:
-        design.still(still, at=still_at, renderer=renderer, flight=flight)
-    if film is not None:
+    if given.still is not None:
+        design.still(given.still, at=given.still_at, renderer=given.renderer, flight=flight)
+    if given.film is not None:
         with count_progress("frames") as progress:
-            design.film(film, renderer=renderer, flight=flight, progress=progress)
+            design.film(given.film, renderer=given.renderer, flight=flight, progress=progress)
     departures = [*design.list_limits(), *design.list_departures()]
     for line in departures:
         typer.echo(f"warning: {line}", err=True)
     misses = None
-    if robust:
+    if given.robust:
         with count_progress("disturbed flights") as progress:
-            misses = design.disturb(robust, seed, progress)
-    if json:
+            misses = design.disturb(given.robust, given.seed, progress)
+    if given.json:
         print_json(
             {
                 "agent": design.name,
@@ -111,8 +105,8 @@ def simulate(
                 "error": flight.trajectory.error,
                 "trajectory": str(csv),
                 "picture": str(svg),
-                "film": None if film is None else str(film),
-                "still": None if still is None else str(still),
+                "film": None if given.film is None else str(given.film),
+                "still": None if given.still is None else str(given.still),
                 "warnings": departures,
                 "disturbed": misses and _document(misses, flight.scenario.target_names),
                 "disturbed_outlets": misses and misses.outlet_shares(flight.scenario),
@@ -125,8 +119,8 @@ def simulate(
         ("trajectory:", csv),
         ("picture:   ", svg),
         ("           ", pdf),
-        ("film:      ", film),
-        ("still:     ", still),
+        ("film:      ", given.film),
+        ("still:     ", given.still),
     ):
         if made is not None:
             print(f"{what} {made}")

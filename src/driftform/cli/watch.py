@@ -1,34 +1,26 @@
 """``driftform watch``."""
 
-from typing import TYPE_CHECKING, Annotated
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
-import typer
-
-from driftform.cli.options import Json, RunArgument, make_option
+from driftform.cli.options import FILE, declare
 
 if TYPE_CHECKING:
     from driftform.cli.display import View
     from driftform.runs.monitor import RunMonitor
 
 
-def watch(
-    run: RunArgument,
-    once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and exit.")] = False,
-    interval: Annotated[
-        float | None,
-        make_option("S", "Time between two readings, s; by default 1 on a terminal, 10 elsewhere.", min=0.1),
-    ] = None,
-    json: Json = False,
-) -> None:
+@declare(FILE, "run", "once", "interval", "json")
+def watch(given: SimpleNamespace) -> None:
     """Show the progress of a run from another terminal until the run ends or you press Ctrl-C; changes no file."""
     from driftform.cli.output import print_json
     from driftform.runs.monitor import RunMonitor
 
-    monitor = RunMonitor(run)
+    monitor = RunMonitor(given.run)
     monitor.poll()
-    if json:
+    if given.json:
         print_json(monitor.document())
-    elif once:
+    elif given.once:
         import sys
 
         from rich.console import Console
@@ -39,7 +31,7 @@ def watch(
             print(monitor.describe_end())
     else:
         try:
-            _follow(monitor, interval)
+            _follow(monitor, given.interval)
         except KeyboardInterrupt:
             # Stopping the watch is not a failure, and does not affect the run.
             return
