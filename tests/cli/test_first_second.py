@@ -20,12 +20,15 @@ pytestmark = pytest.mark.long
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither such signals nor such limits")
 
 INTERRUPTED = """
-import os, signal, sys
+import ctypes, os, signal, sys
+
+def send():
+    os.kill(os.getpid(), signal.SIGINT)
 
 class Interrupt:
     def find_spec(self, name, path=None, target=None):
         if name == {name!r}:
-            os.kill(os.getpid(), signal.SIGINT)
+            {call}()
 
 sys.meta_path.insert(0, Interrupt())
 """
@@ -35,9 +38,10 @@ RUN = ("paper", "--target", "TP1", "--evaluations", 12, "--seed", 1, "--workers"
 
 @posix
 @pytest.mark.parametrize("name", ["typer", "driftform.cli.help", "numpy", "driftform.study.study"])
-def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path, fake_plugin, name):
+@pytest.mark.parametrize("call", ["send", "ctypes.CFUNCTYPE(None)(send)"], ids=["by Python", "by a library's callback"])
+def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path, fake_plugin, name, call):
     # Python runs this module before the program.
-    (tmp_path / "sitecustomize.py").write_text(INTERRUPTED.format(name=name), encoding="utf-8")
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPTED.format(name=name, call=call), encoding="utf-8")
     command = [str(Path(sys.executable).with_name("driftform")), "evolve", *map(str, RUN), "--out", "run"]
     path = os.pathsep.join(map(str, (tmp_path, fake_plugin)))
     done = subprocess.run(

@@ -27,7 +27,7 @@ READ = {
     "a track in space": ("t,x,y,z\n0,1,2,3\n", [0], {"": [[1, 2, 3]]}),
     "a height": ("t,z\n0,0.3\n1,0.2\n", [0, 1], {"": [[NONE, 0.3], [NONE, 0.2]]}),
     "decimal commas where semicolons separate": ("t;x;y\n0,033;-1,2E-2;0,5\n", [0.033], {"": [[-0.012, 0.5]]}),
-    "units in centimetres": ("t / s,x (cm),y / cm\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
+    "units in centimetres": ("A: t / s,A: x (cm),Position y (cm) Run #1\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
     "units in millimetres": ("time_s\tx_mm\ty_mm\n0\t1\t2\n", [0], {"": [[1, 2]]}, "mm"),
     "minutes": ("t (min),x (mm),y (mm)\n2,1,2\n", [120], {"": [[1, 2]]}, "mm"),
     "pixels": ("t [ms];x [px];y [px]\n1000;1;2\n", [1], {"": [[1, 2]]}, "px"),
@@ -90,6 +90,7 @@ def test_likelihoods_are_read_and_a_guess_is_said(write):
     ("text", "message"),
     [
         ("", "is empty"),
+        ("t,x\n" + 30_000 * "0,1\n", "has more than 20000 rows or 20 MB: keep those of one flight"),
         ("a,b\n1,2\n", "no row names its columns: expected t"),
         ("t,x,y\n,,\n", "holds no numbers"),
         ("t,x,y\n,1,2\n2025-11-28T10:00:00,1,2\n", "'2025-11-28T10:00:00' in row 2 below the names is not a number"),

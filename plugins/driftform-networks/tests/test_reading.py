@@ -84,6 +84,12 @@ def test_a_file_that_epanet_cannot_run_is_one_line_that_names_what_is_wrong(text
     assert expected in refused("show", write(tmp_path, text))
 
 
+def test_names_that_a_spreadsheet_takes_for_formulas_are_warned_of(tmp_path, done):
+    path = write(tmp_path, FORK.replace("ahead", "=ahead"))
+    document = done("tracers", path, "--release", "source", "--tables", "tables", "--json")
+    assert any("takes '=ahead' for a formula" in line for line in document["warnings"])
+
+
 def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path, done):
     path = write(tmp_path, FORK.replace("source 60", "source 9"))
     for words in (["show"], ["tracers", "--release", "source"]):

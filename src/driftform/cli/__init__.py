@@ -1,5 +1,6 @@
 """The command line: one file per command, and nothing heavy imported before a command runs."""
 
+import _thread
 import atexit
 import gc
 import io
@@ -32,6 +33,7 @@ def main() -> None:
     # Last of what is done at the end, because it is registered first.
     atexit.register(_leave, codes)
     os._exit = partial(_refuse_exit, os.getpid())
+    sys.unraisablehook = _repeat_interrupt
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         # What is closed is opened, in order, before a file of a run gets its number and then what is printed.
         if getattr(sys, name) is None:
@@ -78,6 +80,17 @@ def _refuse_exit(process: int, code: int) -> None:
     if os.getpid() != process:
         _end_process(code)
     raise SystemExit(f"os._exit({code})")
+
+
+def _repeat_interrupt(found: "sys.UnraisableHookArgs") -> None:
+    """Repeat a Ctrl-C that reached a callback of a library, such as the compiler, which cannot pass it on."""
+    if not issubclass(found.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(found)
+        return
+    # Later, when the library has returned.
+    timer = threading.Timer(0.05, _thread.interrupt_main)
+    timer.daemon = True
+    timer.start()
 
 
 def _leave_threads(codes: list[int]) -> None:

@@ -343,6 +343,9 @@ class Scenario(Table):
         if self.pipe.straight is None:
             _check_flow_in_parts(self.flow)
         if faults := list(self._find_outside()):
+            # Nobody reads the tenth.
+            if len(faults) > 3:
+                faults = [faults[0], f"{faults[1]}; and {len(faults) - 2} more"]
             raise ValueError(*faults)
         return self
 

@@ -1,7 +1,8 @@
 """Files of tracks: plain CSV, and what programs that follow points in films export.
 
 Plain CSV has a row of names, then ``t, x, y``, ``t, x, y, z`` or a part of them; several points are named as in ``nose_x, nose_y``. Tracker writes the name of the track above the names of the
-columns, Kinovea before them (``Trajectory 1/0/X``) or after ``#``, idtracker.ai numbers behind them (``x1, y1``). SLEAP,
+columns, Kinovea before them (``Trajectory 1/0/X``) or after ``#``, idtracker.ai numbers behind them (``x1, y1``), Vernier and Pasco
+``VideoAnalysis: X (m)`` and ``X (m) Run #1``. SLEAP,
 TrackMate, trackpy and ImageJ have a row for each object and frame, and pixels with y downward. DeepLabCut writes rows ``scorer``, ``individuals`` (with several animals),
 ``bodyparts`` and ``coords``, and numbers frames, or names their pictures. Cells are separated by commas, semicolons, tabs or
 spaces. What the points and commas in numbers mean is found from all of them.
@@ -19,8 +20,11 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform.util import files
 
-TIMES = ("t", "time", "times", "seconds", "sec", "position_t")
-FRAMES = ("frame", "frames", "frame_number", "frame_idx", "step", "n", "slice", "slice n°")
+MAX_ROWS, MAX_CHARACTERS = 20_000, 20_000_000
+"""Most lines and letters of a file: fast cameras take some thousand frames of a fall."""
+
+TIMES = ("t", "time", "times", "timestamp", "seconds", "sec", "position_t")
+FRAMES = ("frame", "frames", "frame_number", "frame_idx", "fnum", "step", "n", "slice", "slice n°")
 OBJECTS = ("track", "track_id", "track n°", "particle", "object")
 """Columns whose values name the object that a row is of."""
 
@@ -33,6 +37,7 @@ PIXEL_PROGRAMS = (
 _UNIT = re.compile(r"[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$|\s+/\s*(\w+)\s*$")
 _NUMBER = re.compile(r"[+-]?(\d[\d.,'’\u00a0\u202f]*|[.,]\d+)([eE][+-]?\d+)?")
 _GROUPS = re.compile(r"(?<=\d)[ '’\u00a0\u202f](?=\d{3}(?!\d))")
+_SOURCE = re.compile(r"^.*:\s+|\s+run #\d+$")
 _CLOCK = re.compile(r"\d+(:\d\d){1,3}([.,]\d+)?")
 _PIXELS = {"pixel": "px", "pixels": "px"}
 _SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
@@ -71,8 +76,13 @@ def read_table(path: Path, target: str | None = None) -> TrackTable:
 
     Raises InputError if it is not such a file.
     """
+    text = files.read_text(path)
+    if len(text) > MAX_CHARACTERS or text.count("\n") > MAX_ROWS:
+        raise InputError(
+            f"{path}: has more than {MAX_ROWS} rows or {MAX_CHARACTERS // 1_000_000} MB: keep those of one flight"
+        )
     try:
-        rows = _split_rows(files.read_text(path))
+        rows = _split_rows(text)
     except csv.Error as error:
         raise InputError(f"{path}: is not a table: {error}") from None
     if not rows:
@@ -211,7 +221,7 @@ class _Column:
 
 
 def _name_column(text: str) -> _Column | None:
-    name, unit = text.strip().lower(), ""
+    name, unit = _SOURCE.sub("", text.strip().lower()), ""
     if (found := _UNIT.search(name)) is not None:
         name, unit = name[: found.start()], found.group(1) or found.group(2) or ""
     for suffix in _SUFFIXES:

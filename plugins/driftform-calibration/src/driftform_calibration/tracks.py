@@ -186,7 +186,7 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
         return dict.fromkeys(table.points, 0.0)
     if not found:
         raise InputError(
-            f"{path}: has the points {', '.join(table.points)}; say where on the axis they are, such as --point "
+            f"{path}: has the points {', '.join([*table.points][:9])}{', ...' * (len(table.points) > 9)}; say where on the axis they are, such as --point "
             f"{quote(f'{next(iter(table.points))}=0.01')} (m from the core's centre, fore positive), or choose one with --object"
         )
     return found

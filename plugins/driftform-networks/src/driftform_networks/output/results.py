@@ -110,8 +110,18 @@ class Outputs:
         more, groups = self._describe_sights(network, known, result.reachable, document)
         limits = (line for one in bodies for line in warn_of_limits(one, network, known, result.steps))
         document["warnings"] = [*limits, *warn_of_model(network, result.steps)]
+        columns = result.list_tables()
+        texts = [
+            text for table in columns.values() for cells in table.values() for text in cells if isinstance(text, str)
+        ]
+        if self.tables is not None and (
+            formula := next((text for text in texts if text.startswith(tuple("=+-@"))), "")
+        ):
+            document["warnings"].append(
+                f"a spreadsheet takes '{formula}' for a formula, as it begins with =, +, - or @"
+            )
         lines, tables = [*lines, *more, *document["warnings"]], [*tables, *groups]
-        written, columns = self.write_map(figure), result.list_tables()
+        written = self.write_map(figure)
         if self.report is not None:
             # One page, which loads nothing over the network.
             page = svg.fill_template(
