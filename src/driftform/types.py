@@ -277,16 +277,22 @@ class Fittings:
     Attributes:
         material: volume integrals of the material that a kit adds, such as that of its joints, less that which it removes.
         details: what is fitted to it, which these leave out.
+        seals: the same integrals over the mass of its O-rings, in kg for m3.
+        flooded: those over the room before its O-rings, which is open to water.
+        glands: of each O-ring, as JSON, what it is and how it fits its groove, with a ``summary``.
     """
 
     material: Moments = Moments()
     details: tuple[Detail, ...] = ()
+    seals: Moments = Moments()
+    flooded: Moments = Moments()
+    glands: tuple[Mapping[str, Any], ...] = ()
 
     def scale(self, factor: float) -> "Fittings":
-        """Return those of the hull with all its lengths multiplied by a factor; solids are drawn as before."""
+        """Return those of the hull with all its lengths multiplied by a factor; solids are drawn, and O-rings bought, as before."""
         lengths = factor**3 * np.outer(h := np.array([1.0, factor, factor, factor]), h)
         details = (replace(d, material=lengths * d.material, displaced=lengths * d.displaced) for d in self.details)
-        return Fittings(self.material.scale(factor), tuple(details))
+        return replace(self, material=self.material.scale(factor), details=tuple(details))
 
 
 @dataclass(frozen=True)

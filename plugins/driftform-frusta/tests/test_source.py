@@ -137,10 +137,14 @@ def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):
         assert np.allclose(mesh.bounds.ravel(), part.on_bed().bounds.ravel(), atol=2e-3)
 
 
-@pytest.mark.parametrize("options", [{}, {"o_ring": 0.00178}, {"joint": "bayonet"}], ids=["glue", "O-ring", "bayonet"])
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"o_ring": 0.00178}, {"joint": "bayonet"}, {"joint": "thread"}],
+    ids=["glue", "O-ring", "bayonet", "thread"],
+)
 @pytest.mark.parametrize("clearance", [0.1, 0.3])
 def test_another_clearance_in_the_source_is_our_own_kit_of_that_clearance(options, clearance, render):
-    body = chain_body("nn", "uus")
+    body = chain_body("nn", "uuss")
     made = PartOptions(kit=True, segments=96, **options)
     source = write_source(job_of(body), make_parts(body, made), made)
     edited = source.replace("clearance = 0.2;", f"clearance = {clearance};")

@@ -16,6 +16,7 @@ from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
+from driftform_frusta.solid import to_solid
 
 pytestmark = pytest.mark.peers
 
@@ -109,6 +110,12 @@ CAN, VOLUME = frustum(4, 3, 3), 36 * math.pi
 )
 def test_every_kind_of_solid_has_exactly_its_volume(tree, volume):
     assert volume_of(to_brep(tree)) == pytest.approx(volume, rel=1e-9)
+
+
+def test_a_section_that_winds_round_sweeps_its_area_times_the_way_of_its_middle():
+    winding = Revolve(((8, 0), (9, 0), (9, 1), (8, 1)), (), 720.0, 4.0)
+    assert volume_of(to_brep(winding)) == pytest.approx(34 * math.pi, rel=1e-5)
+    assert to_solid(winding, 96).volume == pytest.approx(34 * math.pi, rel=1e-3)
 
 
 def test_nothing_is_printed_on_the_way(wavy_body, write, capfd):

@@ -176,13 +176,6 @@ def test_ballast_that_cannot_be_held_is_refused_with_the_reason(x, diameter, why
         Held(chain_body("ssssss", "ss"), x, diameter)
 
 
-def test_two_balls_are_kept_apart():
-    with pytest.raises(WorkFailedError, match="another ball is there"):
-        make_kit(chain_body("ssssss", "ss"), PartOptions(kit=True, ballast=[[0.045, 0.008], [0.048, 0.004]]))
-    kit = make_kit(chain_body("ssssss", "sssss"), PartOptions(kit=True, ballast=[[-0.04, 0.006], [0.045, 0.008]]))
-    assert [held.part for held in kit.ballast] == [0, 1]
-
-
 @pytest.mark.parametrize("material", ["lead", "steel"])
 def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated(material):
     """Ball and seat together have the mass and the moment of the ballast that flew."""

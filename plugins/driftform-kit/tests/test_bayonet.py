@@ -1,14 +1,18 @@
 """A closure that opens: its lugs and tracks moved as hands move them, its O-ring against the standard, and real programs."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 from prints import chain_body, job_of
 
+from driftform.agent import mass_properties
 from driftform.interfaces import PrintJob
-from driftform.types import State
+from driftform.types import Module, Moments, Morphology, State
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
@@ -16,20 +20,21 @@ from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.gland import choose_gland
 from driftform_kit.cutting.joint import find_seal, seal_bore
 from driftform_kit.cutting.pieces import make_kit
+from driftform_kit.cutting.thread import PITCH
 from driftform_kit.kit import list_facts
 from driftform_kit.sheet.contents import plan_sheet
 
 INCH = 25.4
-BODIES = {"fore": chain_body("uus", "nn"), "aft": chain_body("nn", "uus")}
+BODIES = {"fore": chain_body("uuss", "nn"), "aft": chain_body("nn", "uuss")}
 WITH = PartOptions(kit=True, joint="bayonet", segments=96)
 
 
-def open_and_shut(side):
-    """The solids of plug and socket, and which way along the axis and round it the plug comes off."""
-    body = BODIES[side]
-    joint = make_kit(body, WITH).core_joint
-    aft, fore = (part.solid.to_manifold() for part in make_parts(body, WITH))
-    assert joint.kind == "bayonet" and joint.side == (1 if side == "fore" else -1)
+def open_and_shut(side, kind="bayonet"):
+    """The solids of plug and socket, and their joint: the plug comes off to its own side."""
+    body, options = BODIES[side], WITH.model_copy(update={"joint": kind})
+    joint = make_kit(body, options).core_joint
+    aft, fore = (part.solid.to_manifold() for part in make_parts(body, options))
+    assert joint.kind == kind and joint.side == (1 if side == "fore" else -1)
     return (fore, aft, joint) if side == "fore" else (aft, fore, joint)
 
 
@@ -54,6 +59,37 @@ def test_a_closed_bayonet_holds_and_a_turn_to_the_left_opens_it(side):
     opened = float(free.mean())
     for pulled in np.arange(0.2, joint.lap + 2, 0.4):
         assert clash(opened, pulled) < 1e-6
+
+
+@pytest.mark.parametrize("side", ["fore", "aft"])
+def test_a_thread_goes_on_in_two_turns_to_the_right_and_stops_where_the_rims_meet(side):
+    plug, socket, joint = open_and_shut(side, "thread")
+
+    def clash(turned, pulled):
+        moved = plug.rotate((0.0, 0.0, joint.side * turned)).translate((0.0, 0.0, joint.side * pulled))
+        return (moved ^ socket).volume()
+
+    assert all(clash(turned, PITCH * turned / 360) < 1e-6 for turned in range(0, 1080, 24))
+    assert plug.min_gap(socket, 1.0) < 1e-3
+    # It holds along the axis from a quarter of a millimetre on, by its flanks, also before it is closed, and has room to be tightened.
+    assert clash(0.0, 0.2) < 1e-6 and clash(0.0, 0.5) > 5 and clash(360.0, PITCH + 0.5) > 2
+    assert clash(-40.0, 0.0) < 1e-6 and clash(-75.0, 0.0) > 5
+    # The other way round it does not go on.
+    assert max(clash(-turned, PITCH * turned / 360) for turned in (90, 180, 270)) > 5
+
+
+@pytest.mark.parametrize(("clearance", "held"), [(0.0001, True), (0.0003, True), (0.00031, False)])
+def test_a_thread_has_its_clearance_all_round_and_at_least_half_of_its_ridge_holds(clearance, held):
+    options = {**WITH.model_dump(), "joint": "thread", "clearance": clearance}
+    if not held:
+        with pytest.raises(ValueError, match="a thread holds too little"):
+            PartOptions(**options)
+        return
+    aft, fore = (part.solid.to_manifold() for part in make_parts(BODIES["fore"], PartOptions(**options)))
+    # As the coupon finds it: pulled off by twice the gap along flanks of 45 degrees they still pass, by a little more not.
+    for share, passes in ((0.9, True), (1.25, False)):
+        moved = fore.translate((0.0, 0.0, share * 2**0.5 * 1e3 * clearance))
+        assert ((moved ^ aft).volume() < 1e-6) is passes
 
 
 @pytest.mark.parametrize(
@@ -115,6 +151,35 @@ def test_facts_and_sheet_have_the_ring_and_how_it_is_opened():
     assert "turn it to the right, past a click, until it stops" in text
     assert re.search(r"To charge or to read the core, turn part 2 to the left.*put it back", text)
     assert sheet.scenes[-1] == "open 2" and "coat" not in text
+    rows = {name: mass for name, mass, _ in sheet.weights}
+    assert rows["O-rings"] == seal["mass_kg"]
+    assert rows["closed kit"] == pytest.approx(sum(rows.values()) - rows["closed kit"] - rows["as simulated"])
+
+
+@pytest.mark.parametrize("side", ["fore", "aft"])
+def test_the_o_ring_weighs_and_the_room_before_it_does_not_float(side):
+    modules = [tuple(Module(0.01, tilt) for tilt in tilts) for tilts in ((0.3, 0.3, 0.0), (0.0, 0.0))]
+    made = FrustaBuilder(FrustaOptions(made_as="kit", kit={"joint": "bayonet"}))
+    body = made.build(Morphology(*(modules if side == "fore" else modules[::-1])))
+    kit = make_kit(body, WITH)
+    seal, [gland] = find_seal(kit.hull, kit.core_joint), body.fittings.glands
+    # A torus of nitrile; in water it hangs on the side of the plug, where the groove is cut.
+    ring = np.pi**2 / 4 * 1.78**2 * (seal.inside_mm + 1.78) * 1.25e-6
+    bare = replace(body, fittings=replace(body.fittings, seals=Moments(), flooded=Moments()))
+    with_ring, without = mass_properties(body), mass_properties(bare)
+    assert with_ring.mass - without.mass == pytest.approx(ring, rel=1e-9) and 1e-4 < ring < 4e-4
+    assert body.fittings.seals.centroid * 1e3 == pytest.approx(kit.core_joint.z - kit.core_joint.side * 2.9, abs=0.1)
+    # The water before it: what the drawn parts leave free between the rims and the middle of the groove, less half the ring.
+    joint, plug, socket = kit.core_joint, *(part.solid.to_manifold() for part in make_parts(body, WITH)[::-1])
+    lift = joint.z - 1e3 * body.outer[0, 0]
+    ends = sorted((lift, lift - joint.side * 2.9))
+    tube = Manifold.cylinder(ends[1] - ends[0], seal.groove_mm / 2 + 2.0, circular_segments=96)
+    room = tube.translate((0.0, 0.0, ends[0])) - plug - socket
+    room -= Manifold.cylinder(200.0, seal.groove_mm / 2, circular_segments=96)
+    flooded = room.volume() - ring / 1.25e-6 / 2
+    assert 1e9 * (without.volume - with_ring.volume) == pytest.approx(flooded, rel=0.1) and 30 < flooded < 150
+    assert gland["mass"] == pytest.approx(ring) and gland["groove"] == seal.groove_mm / 1000
+    assert f"{1000 * ring:.2f} g; groove {seal.groove_mm:.2f} mm across, {seal.wall_mm:.2f} mm" in gland["summary"]
 
 
 def test_further_joints_of_a_kit_that_opens_are_glued():
@@ -124,12 +189,13 @@ def test_further_joints_of_a_kit_that_opens_are_glued():
 
 
 @pytest.mark.peers
-def test_real_programs_take_a_kit_that_opens(ask, tmp_path):
+@pytest.mark.parametrize("joint", ["bayonet", "thread"])
+def test_real_programs_take_a_kit_that_opens(ask, tmp_path, joint):
     import lib3mf
 
-    body = BODIES["fore"]
-    volume = sum(part.solid.volume for part in make_parts(body, WITH))
-    plates = ThreeMfExporter(WITH).write(job_of(body), tmp_path / "agent.3mf")
+    body, options = BODIES["fore"], WITH.model_copy(update={"joint": joint})
+    volume = sum(part.solid.volume for part in make_parts(body, options))
+    plates = ThreeMfExporter(options).write(job_of(body), tmp_path / "agent.3mf")
     paths = tuple(Path(file.path) for file in plates if file.path.endswith(".3mf"))
     for checker in ("prusa-slicer", "admesh"):
         found = ask(checker, PrintJob(paths))
@@ -139,6 +205,6 @@ def test_real_programs_take_a_kit_that_opens(ask, tmp_path):
     reader.SetStrictModeActive(True)
     reader.ReadFromFile(str(paths[0]))
     assert reader.GetWarningCount() == 0
-    source = ScadExporter(WITH).write(job_of(body), tmp_path / "agent.scad")[0]
+    source = ScadExporter(options).write(job_of(body), tmp_path / "agent.scad")[0]
     rendered = ask("openscad", PrintJob(paths, volume=1e-9 * volume, source=Path(source.path)))
     assert all(finding.state is State.PASS for finding in rendered.values()), rendered

@@ -109,8 +109,9 @@ def test_a_file_holds_what_a_printer_needs_of_kits(done, refused, tmp_path):
 
 
 @pytest.mark.peers
-def test_prusa_slicer_slices_the_coupon(call, ask, tmp_path):
-    call("export", "--coupon", "--option", "joint=bayonet", "--out", str(tmp_path))
+@pytest.mark.parametrize("joint", ["bayonet", "thread"])
+def test_prusa_slicer_slices_the_coupon(call, ask, tmp_path, joint):
+    call("export", "--coupon", "--option", f"joint={joint}", "--out", str(tmp_path))
     found = ask("prusa-slicer", PrintJob((tmp_path / "coupon.stl",), Printer()), infill=1.0)
     assert {name: finding.state for name, finding in found.items()} == {
         "prusa-slicer mesh": State.PASS,

@@ -25,14 +25,16 @@ def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
     The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core enters
-    eq. 20 with its mass, and the inertia with its own, 2/5 m R^2 for a sphere; so does the ballast at its place. Buoyancy
+    eq. 20 with its mass, and the inertia with its own, 2/5 m R^2 for a sphere; so do ballast and O-rings at their place. Buoyancy
     acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses, less what it
-    loses under pressure. Water that stands in trim pockets neither weighs nor displaces anything, and its inertia is left out.
+    loses under pressure. Water that stands in trim pockets, and before an O-ring, neither weighs nor displaces anything, and its
+    inertia is left out.
     """
     if body.fittings.details:
         bare = replace(body, fittings=replace(body.fittings, details=()))
         return _add_details(mass_properties(bare), body.fittings.details, body.hull_density)
-    hull, displaced = hull_moments(body), solid_of_revolution(body.outer)
+    hull, displaced, seals = hull_moments(body), solid_of_revolution(body.outer), body.fittings.seals
+    displaced = displaced - body.fittings.flooded
     for pocket in body.pockets:
         displaced = displaced - (
             solid_of_revolution(pocket.contour()) - solid_of_revolution(pocket.contour(pocket.filled))
@@ -42,13 +44,13 @@ def mass_properties(body: Body) -> MassProperties:
     putty = [(solid_of_revolution(pocket.contour(pocket.filled)), pocket.density) for pocket in body.pockets]
     # In the order of earlier versions: another one changes the last digits of flights.
     mass = hull.volume * body.hull_density + core.mass + ballast.volume * density
-    mass += sum(solid.volume * heavy for solid, heavy in putty)
+    mass += sum(solid.volume * heavy for solid, heavy in putty) + seals.volume
     first = hull.first * body.hull_density + ballast.first * density + core.mass * core.cog
-    cog = (first + sum(solid.first * heavy for solid, heavy in putty)) / mass
+    cog = (first + sum(solid.first * heavy for solid, heavy in putty) + seals.first) / mass
     axial = hull.polar * body.hull_density + core_axial + ballast.polar * density
-    axial += sum(solid.polar * heavy for solid, heavy in putty)
+    axial += sum(solid.polar * heavy for solid, heavy in putty) + seals.polar
     transverse = hull.transverse * body.hull_density + core_transverse + ballast.transverse * density
-    transverse += sum(solid.transverse * heavy for solid, heavy in putty)
+    transverse += sum(solid.transverse * heavy for solid, heavy in putty) + seals.transverse
     transverse += core.mass * core.cog**2 - mass * cog**2
     return MassProperties(
         mass=mass,

@@ -68,6 +68,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),
         ("terminal speed", f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag"),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
+        *(("O-ring", seal["summary"]) for seal in facts["seals"]),
         *([("under pressure", facts["strength"]["summary"])] if facts["strength"] else []),
         ("a gram of hull", _describe_gram(facts["sensitivity"], fitness)),
     ]

@@ -102,6 +102,7 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "terminal_speeds": _terminal_speeds(agent, fluid, net, rest.pitch),
         "lambda_max": lambda_max,
         "strength": pipeline.builder.describe_strength(body, fluid),
+        "seals": body.fittings.glands,
         "calibration": describe_calibration(pipeline.scenario.calibration),
         "sensitivity": _measure_sensitivity(pipeline, agent, name, target),
         "warnings": _list_warnings(agent, pipeline.scenario, float((own + added)[2, 2]), lambda_max),

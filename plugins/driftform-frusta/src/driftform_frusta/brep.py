@@ -59,7 +59,7 @@ def _measure(shape: Any, what: str) -> float:
 def _interpret(node: Node) -> Any:
     match node:
         case csg.Revolve():
-            shape = _revolve(half_section(node), math.radians(node.angle_deg))
+            shape = _revolve(half_section(node), math.radians(node.angle_deg), node.rise)
         case csg.Extrude():
             shape = _extrude(node)
         case csg.Union():
@@ -102,13 +102,35 @@ def _move(node: csg.Translate | csg.Rotate) -> Any:
     return BRepBuilderAPI_Transform(_interpret(node.child), transform, True).Shape()
 
 
-def _revolve(polygons: Sequence[FloatArray], angle: float) -> Any:
+def _revolve(polygons: Sequence[FloatArray], angle: float, rise: float) -> Any:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
 
     axis = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
     face = _make_face([np.column_stack([p[:, 0], np.zeros(len(p)), p[:, 1]]) for p in polygons])
-    return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis, angle).Shape())
+    return _turn_outside_out(_wind(face, angle, rise) if rise else BRepPrimAPI_MakeRevol(face, axis, angle).Shape())
+
+
+def _wind(face: Any, angle: float, rise: float) -> Any:
+    """The solid that a face sweeps while it turns and rises: along a helix."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeWire
+    from OCP.BRepLib import BRepLib
+    from OCP.BRepOffsetAPI import BRepOffsetAPI_MakePipeShell
+    from OCP.BRepTools import BRepTools
+    from OCP.Geom import Geom_CylindricalSurface
+    from OCP.Geom2d import Geom2d_Line
+    from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+
+    cylinder = Geom_CylindricalSurface(gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), 1.0)
+    line = Geom2d_Line(gp_Pnt2d(0, 0), gp_Dir2d(angle, rise))
+    helix = BRepBuilderAPI_MakeEdge(line, cylinder, 0.0, math.hypot(angle, rise)).Edge()
+    BRepLib.BuildCurves3d_s(helix)
+    pipe = BRepOffsetAPI_MakePipeShell(BRepBuilderAPI_MakeWire(helix).Wire())
+    pipe.SetMode(gp_Dir(0, 0, 1))
+    pipe.Add(BRepTools.OuterWire_s(face))
+    pipe.Build()
+    pipe.MakeSolid()
+    return pipe.Shape()
 
 
 def _extrude(node: csg.Extrude) -> Any:

@@ -25,12 +25,13 @@ class Revolve:
 
     ``outline`` and each of ``holes`` is a closed polygon of (r, z) points, in either sense of rotation, the
     last joined to the first; the holes are subtracted from the outline before it is revolved. What lies at
-    r < 0 is cut off.
+    r < 0 is cut off. With a ``rise`` it winds upward, by so much in all, and may turn round more than once: a thread, without holes.
     """
 
     outline: tuple[Point, ...]
     holes: tuple[tuple[Point, ...], ...] = ()
     angle_deg: float = 360.0
+    rise: float = 0.0
 
 
 @dataclass(frozen=True)

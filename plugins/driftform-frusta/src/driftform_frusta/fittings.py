@@ -61,11 +61,20 @@ def draw_section(tree: Node | None) -> CrossSection | None:
     match tree:
         case None:
             return CrossSection()
-        case Revolve(angle_deg=360.0):
+        case Revolve(angle_deg=360.0, rise=0.0):
             return CrossSection([ring.tolist() for ring in half_section(tree)])
         case Translate(offset=(0.0, 0.0, z)) if (section := draw_section(tree.child)) is not None:
             return section.translate((0.0, z))
     return None
+
+
+def integrate_shared(tree: Node, other: Node) -> FloatArray:
+    """Return the integral of h h^T over what two trees share, m, as :class:`Detail` has it; by facets, to a thousandth."""
+    return _integrate(to_manifold(tree) ^ to_manifold(other))
+
+
+def _integrate(solid: Manifold) -> FloatArray:
+    return np.asarray((_TO_BODY @ integrate_solid(solid) @ _TO_BODY.T) / MM**3)
 
 
 def _turn_into(body: Body, drawn: Drawn) -> Body | None:
@@ -117,8 +126,7 @@ def measure_details(body: Body, drawn: Iterable[Drawn]) -> Body:
             raise WorkFailedError(f"the fitting '{name}' opens or divides the hull, or does not touch it")
         beyond = gained - lost - solids[1]
         shadows = [beyond.rotate(view).project().area() if beyond.volume() > _THIN else 0.0 for view in _VIEWS]
-        changes = [integrate_solid(new) - integrate_solid(old) for new, old in zip(fitted, solids, strict=True)]
-        material, displaced = ((_TO_BODY @ change @ _TO_BODY.T) / MM**3 for change in changes)
+        material, displaced = (_integrate(new) - _integrate(old) for new, old in zip(fitted, solids, strict=True))
         found.append(Detail(name, added, removed, material, displaced, math.hypot(*shadows) / MM**2))
         solids = fitted
     return replace(body, fittings=replace(body.fittings, details=tuple(found)))

@@ -11,10 +11,10 @@ STEEL, LEAD = 7850.0, 11340.0
 """Densities of steel and lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
 
 CORD = 0.00178
-"""m: cord of the O-ring of a bayonet, the thinnest section of AS568 that is sold in all sizes."""
+"""m: cord of the O-ring of a joint that opens, the thinnest section of AS568 that is sold in all sizes."""
 
-MAX_BALLS = 2
-"""Balls of ballast: two give every mass and moment that one alone has no room for."""
+OPENING = {"bayonet": 0.0004, "thread": 0.0003}
+"""Joints that open, with the largest clearance at which half of a lug, 0.8 mm high, or of a ridge of 0.6 mm holds, m."""
 
 _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
@@ -30,16 +30,17 @@ class KitOptions(Table):
     clearance: float = option(
         0.0002, "gap between parts that fit into each other, and between seat and core", "m", ge=0.00005, le=0.002
     )
-    joint: Literal["auto", "sleeve", "rabbet", "bayonet"] = option(
+    joint: Literal["auto", "sleeve", "rabbet", "bayonet", "thread"] = option(
         "auto",
         "joint of the shells around the core: 'sleeve', a ring inside that slides into the other shell, at "
         "the core's equator or as near to it as the core leaves room; 'rabbet', a step in the thickness of the wall, at "
-        "the equator; 'auto', a sleeve if there is room for one; 'bayonet', a sleeve that a turn locks and opens again, with an O-ring",
+        "the equator; 'auto', a sleeve if there is room for one; 'bayonet', a sleeve that a turn locks and opens again, with an O-ring; "
+        "'thread', one that two turns do",
     )
     sleeve: float = option(0.0012, "thickness of a sleeve; an O-ring makes it thicker", "m", ge=0.0004, le=0.01)
     lap: float = option(
         0.006,
-        "length of a sleeve within the other part; a rabbet has half of it; an O-ring and a bayonet make it longer",
+        "length of a sleeve within the other part; a rabbet has half of it; an O-ring, a bayonet and a thread make it longer",
         "m",
         ge=0.002,
         le=0.05,
@@ -47,7 +48,7 @@ class KitOptions(Table):
     o_ring: float = option(
         0.0,
         "cord diameter of the O-ring in each sleeve, for which a groove is cut, such as 0.00178, 0.00262 or 0.00353; 0: the joints "
-        "are glued, and a bayonet has 0.00178",
+        "are glued, and a bayonet or a thread has 0.00178",
         "m",
         ge=0,
         le=0.01,
@@ -59,9 +60,7 @@ class KitOptions(Table):
         Printer().bed, "largest size of a part: width, depth and height; longer parts are cut at joints of modules", "m"
     )
     ballast: tuple[_Ballast, ...] = option(
-        (),
-        "one or two balls of ballast that get a seat: x of the centre of each, from that of the core, and its diameter",
-        "m",
+        (), "a ball of ballast that gets a seat: x of its centre, from that of the core, and its diameter", "m"
     )
 
     @model_validator(mode="before")
@@ -80,18 +79,17 @@ class KitOptions(Table):
 
     @field_validator("ballast")
     @classmethod
-    def _is_of_two_balls(cls, value: tuple[_Ballast, ...]) -> tuple[_Ballast, ...]:
-        if len(value) > MAX_BALLS:
+    def _is_of_one_ball(cls, value: tuple[_Ballast, ...]) -> tuple[_Ballast, ...]:
+        if len(value) > 1:
             raise ValueError(
-                f"a kit holds at most {MAX_BALLS} balls of ballast, not {len(value)}: replace two of them by one of their "
-                "mass, at the point where they balance"
+                f"a kit holds one ball, not {len(value)}: replace them by one of their mass, where they balance"
             )
         return value
 
     @property
     def cord(self) -> float:
         """Cord diameter of the O-ring of the joint at the core, m; 0 without one."""
-        return self.o_ring or (CORD if self.joint == "bayonet" else 0.0)
+        return self.o_ring or (CORD if self.joint in OPENING else 0.0)
 
     @model_validator(mode="after")
     def _joint_takes_what_is_asked_of_it(self) -> "KitOptions":
@@ -99,11 +97,10 @@ class KitOptions(Table):
             raise ValueError(
                 "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 and glue the joint"
             )
-        # Of a lug, 0.8 mm high, half must hold.
-        if self.joint == "bayonet" and self.clearance > 0.0004:
+        if self.clearance > (most := OPENING.get(self.joint, 1.0)):
             raise ValueError(
-                f"with a clearance of {self.clearance:g} m the lugs of a bayonet hold too little: set clearance to "
-                "0.0004 or less, or joint to 'auto'"
+                f"with a clearance of {self.clearance:g} m a {self.joint} holds too little: set clearance to {most:g} or less, "
+                "or joint to 'auto'"
             )
         return self
 

@@ -11,6 +11,7 @@ from typing import assert_never
 
 from driftform_frusta import csg
 from driftform_frusta.csg import Node
+from driftform_frusta.solid import half_section
 
 _INDENT = "    "
 _POINTS_PER_LINE = 3
@@ -72,6 +73,9 @@ def _revolve(node: csg.Revolve) -> list[str]:
     if node.angle_deg == 360:
         return _put_above(f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section))
     angle = format_number(node.angle_deg)
+    if node.rise:
+        points = write_points(half_section(node)[0].tolist()).splitlines()
+        return ["screw([", *points, f"], {angle}, {format_number(node.rise)});"]
     head = f"rotate_extrude(angle = {angle}, convexity = {_CONVEXITY}, $fn = sector_steps({angle}))"
     return _put_above(head, _put_above(f"scale([sector_factor({angle}), 1])", section))
 

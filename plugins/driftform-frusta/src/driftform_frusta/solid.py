@@ -87,7 +87,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
     match node:
         case csg.Translate():
             return to_solid(node.child, segments).translate(node.offset)
-        case csg.Revolve(angle_deg=360.0):
+        case csg.Revolve(angle_deg=360.0, rise=0.0):
             return revolve_profiles(half_section(node), segments)
         case _:
             return Solid.from_manifold(to_manifold(node, segments))
@@ -109,7 +109,7 @@ def _interpret(node: Node, segments: int) -> Manifold:
 
     match node:
         case csg.Revolve():
-            whole = node.angle_deg == 360
+            whole = node.angle_deg == 360 and not node.rise
             solid = to_solid(node, segments).to_manifold() if whole else _revolve_sector(node, segments)
         case csg.Extrude():
             solid = _draw_section(node).extrude(node.height)
@@ -133,7 +133,15 @@ def _revolve_sector(node: csg.Revolve, segments: int) -> Manifold:
     steps = max(3, round(segments * node.angle_deg / 360))
     step = math.radians(node.angle_deg) / steps
     section = CrossSection(half_section(node)).scale((math.sqrt(step / math.sin(step)), 1.0))
-    return section.revolve(steps, node.angle_deg)
+    if not node.rise:
+        return section.revolve(steps, node.angle_deg)
+
+    def wind(points: FloatArray) -> FloatArray:
+        r, z, turned = points.T
+        angle = np.radians(turned)
+        return np.column_stack((r * np.cos(angle), r * np.sin(angle), node.rise / node.angle_deg * turned - z))
+
+    return section.scale((1.0, -1.0)).extrude(node.angle_deg, steps).warp_batch(wind)
 
 
 def half_section(node: csg.Revolve) -> list[FloatArray]:

@@ -19,28 +19,17 @@ from driftform_kit.cutting.pieces import Kit, make_kit
 
 
 @dataclass(frozen=True)
-class HeldBall:
-    """A ball of ballast in the ``part`` of a kit: x of its centre and its diameter, m.
-
-    It goes in by the joint at x = ``mouth`` (m), or, while its part is printed, by a pause at the height ``pause`` (m); the
-    other one is ``None``. It is held by a ``"seat"``, or by the ``"wall"`` if the hull narrows there.
-    """
-
-    x: float
-    diameter: float
-    part: str
-    mouth: float | None
-    pause: float | None
-    held_by: str
-
-
-@dataclass(frozen=True)
 class KitReport:
-    """A kit, printed with full flow, with its core: mass (kg), x of its centre of gravity (m), the balls that it holds."""
+    """A kit, printed with full flow, with its core: mass (kg), x of its centre of gravity (m), and the ball that it holds, if any.
+
+    Of the ball, as JSON: ``x`` of its centre, its ``diameter``, the ``part`` that holds it, x of the joint that it goes in by (``mouth``) or the
+    height at which the printer pauses (``pause``), m, of which one is ``None``, and whether it is ``held_by`` a ``"seat"``, or by
+    the ``"wall"`` if the hull narrows there.
+    """
 
     mass: float
     cog: float
-    held: tuple[HeldBall, ...] = ()
+    held: tuple[dict[str, Any], ...] = ()
 
 
 def report_kit(body: Body, options: KitOptions) -> KitReport:
@@ -51,14 +40,14 @@ def report_kit(body: Body, options: KitOptions) -> KitReport:
     """
     kit, whole = make_kit(body, options), kit_mass(body, options)
     held = tuple(
-        HeldBall(
-            x=ball.ball.z / MM,
-            diameter=2 * ball.ball.radius / MM,
-            part=kit.pieces[ball.part].name,
-            mouth=None if ball.mouth is None else kit.joints[ball.mouth].z / MM,
-            pause=None if (pause := kit.find_pause(ball)) is None else pause / MM,
-            held_by="wall" if ball.seat is None else "seat",
-        )
+        {
+            "x": ball.ball.z / MM,
+            "diameter": 2 * ball.ball.radius / MM,
+            "part": kit.pieces[ball.part].name,
+            "mouth": None if ball.mouth is None else kit.joints[ball.mouth].z / MM,
+            "pause": None if (pause := kit.find_pause(ball)) is None else pause / MM,
+            "held_by": "wall" if ball.seat is None else "seat",
+        }
         for ball in kit.ballast
     )
     return KitReport(whole.mass, float(whole.cog[0]), held)
@@ -67,7 +56,7 @@ def report_kit(body: Body, options: KitOptions) -> KitReport:
 def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """Return the facts of a job's kit, under the key ``kit``.
 
-    ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``seal``: of its O-ring, as :class:`Seal` has it. ``parts``: of each its ``name``, ``mass_kg``,
+    ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``seal``: of its O-ring, as :class:`Seal` has it, with ``mass_kg``. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
     holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
     ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
@@ -81,7 +70,7 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     kit = make_kit(body, options)
     facts: dict[str, Any] = {
         "joint": {"kind": kit.core_joint.kind, "x_mm": kit.core_joint.z, "why": kit.reason},
-        **({"seal": asdict(seal)} if (seal := find_seal(kit.hull, kit.core_joint)) else {}),
+        **({"seal": {**asdict(seal), "mass_kg": seal.mass}} if (seal := find_seal(kit.hull, kit.core_joint)) else {}),
         "parts": [
             {
                 "name": piece.name,
@@ -93,14 +82,11 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
         ],
         "ballast": [
             {
-                **{
-                    f"{key}_mm": None if (x := getattr(ball, key)) is None else MM * x
-                    for key in ("x", "diameter", "mouth", "pause")
-                },
-                "part": ball.part,
-                "held_by": ball.held_by,
+                **{f"{key}_mm": x and MM * x for key, x in ball.items() if key in ("x", "diameter", "mouth", "pause")},
+                "part": ball["part"],
+                "held_by": ball["held_by"],
                 "material": name_material(options.ballast_density),
-                "mass_kg": make_ball(options.ballast_density, ball.diameter).mass,
+                "mass_kg": make_ball(options.ballast_density, ball["diameter"]).mass,
             }
             for ball in report_kit(body, options).held
         ],

@@ -12,7 +12,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import Body
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.scad import fill_source, format_number, write_module, write_points
-from driftform_kit.cutting import bay, bayonet, joint, meridian
+from driftform_kit.cutting import bay, bayonet, joint, meridian, thread
 from driftform_kit.cutting.gland import choose_gland, list_rings
 from driftform_kit.cutting.meridian import MM
 from driftform_kit.cutting.pieces import Kit, make_kit
@@ -33,12 +33,18 @@ def write_kit(body: Body, options: PartOptions, low: float, high: float) -> tupl
     hull = kit.hull
     values: dict[str, float] = {
         name.lower(): value
-        for module in (bay, bayonet, joint, meridian)
+        for module in (bay, bayonet, joint, meridian, thread)
         for name, value in vars(module).items()
         if name.isupper() and isinstance(value, int | float)
     }
     values |= {name: MM * getattr(options, name) for name in ("clearance", "sleeve", "lap", "nozzle")}
-    values |= {"least": _CLEARANCES[0], "most": max(rows.values()), "wall": hull.wall, "low": low, "high": high}
+    values |= {
+        "least": _CLEARANCES[0],
+        "most": max(clearance for clearance, _ in rows.values()),
+        "wall": hull.wall,
+        "low": low,
+        "high": high,
+    }
     values |= {"cord": gland.cord, "depth": gland.depth, "width": gland.bottom}
     values |= {"far": 2 * float(abs(hull.skin).max()) + 100, "core_joint": kit.joints.index(kit.core_joint)}
     trees = [
@@ -56,7 +62,9 @@ def write_kit(body: Body, options: PartOptions, low: float, high: float) -> tupl
         "outline": write_points(hull.skin[:, ::-1]),
         "cavity": write_points(hull.bore[:, ::-1]),
         "pockets": _write([ring.tolist() for ring in meridian.list_rings(meridian.take_right(hull.pockets))]),
-        "cuts": "\n".join(f"    [{format_number(clearance)}, {cut}]," for cut, clearance in rows.items()),
+        "cuts": "\n".join(
+            f"    [{format_number(up_to)}, {cut}, {fills}]," for (cut, _), (up_to, fills) in rows.items()
+        ),
         "rings": _write([inside for _, inside in list_rings(gland.cord)]),
         "trees": "\n".join(write_module(name, tree) for _, name, tree in trees),
     }
@@ -64,14 +72,17 @@ def write_kit(body: Body, options: PartOptions, low: float, high: float) -> tupl
     return fill_source("parameters", **filled), fill_source("parts", **filled)
 
 
-def _list_cuts(body: Body, options: PartOptions, count: int) -> dict[str, float]:
-    """Return how a hull is cut by ``count`` joints, and the greatest of the clearances that cut it so, mm."""
-    found = dict[str, float]()
+def _list_cuts(body: Body, options: PartOptions, count: int) -> dict[tuple[str, int], tuple[float, str]]:
+    """Return how a hull is cut by ``count`` joints, with the number of pockets that are filled, the greatest of the clearances that cut
+    it so, mm, and these pockets.
+    """
+    found = dict[tuple[str, int], tuple[float, str]]()
     for clearance in sorted({*_CLEARANCES, MM * options.clearance}):
         with suppress(WorkFailedError):
             kit = make_kit(body, options.model_copy(update={"clearance": clearance / MM}))
             if len(kit.joints) == count:
-                found[_write_cut(kit, clearance)] = clearance
+                fills = [[place, ring.tolist()] for place, piece in enumerate(kit.pieces) for ring in piece.filled]
+                found[_write_cut(kit, clearance), len(fills)] = clearance, _write(fills)
     return found
 
 

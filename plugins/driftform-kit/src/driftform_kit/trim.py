@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from driftform_frusta.kit_options import STEEL, PartOptions
 from driftform_frusta.parts import settle_ballast
 from driftform_kit import ballast
 from driftform_kit.ballast import NEGLIGIBLE, Piece
-from driftform_kit.kit import HeldBall, KitReport, report_kit
+from driftform_kit.kit import KitReport, report_kit
 
 GRAMS_FOR_KG = 20
 """A printed mass of more than this many times the simulated one was given in another unit."""
@@ -164,10 +164,10 @@ class _Plan:
     weight: PrintWeight
     required: MassElement
     pieces: tuple[Piece, ...] = ()
-    held: tuple[HeldBall, ...] = ()
+    held: tuple[dict[str, Any], ...] = ()
     seats: float = 0.0
     unheld: str = ""
-    misfits: tuple[HeldBall, ...] = ()
+    misfits: tuple[dict[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -185,26 +185,21 @@ class _Planner:
         if density <= water:
             raise InputError(f"--ballast-density {density:g}: must be more than that of the water, {water:g} kg/m3")
         if self.measure is None:
-            return _Plan(self.weight, required, ballast.place_by_hand(body, required, density))
+            return _Plan(self.weight, required, ballast.place_by_hand(body, required))
         kit = self.measure(None)
-        pieces = _fill_seats(kit.held, required, density) if kit.held else ()
-        seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
-        off = [abs((p.diameter or 0.0) - ball.diameter) for p, ball in zip(pieces, seats, strict=True)]
-        if seats and all(o <= _SAME_SIZE * ball.diameter for o, ball in zip(off, seats, strict=True)):
-            return _Plan(self.weight, required, pieces, tuple(seats))
+        for seat in kit.held:
+            filled = ballast.make_ball(required.mass, seat["x"], density)
+            if abs((filled.diameter or 0.0) - seat["diameter"]) <= _SAME_SIZE * seat["diameter"]:
+                return _Plan(self.weight, required, (filled,), kit.held)
         unheld, plan = "no ball has room where it is needed", None
         try:
             # A seat weighs too.
             plan = self.settle(kit, self.measure)
         except WorkFailedError as error:
             unheld = str(error)
-        plan = plan or _Plan(
-            self.weight, required, ballast.place_by_hand(self.agent.body, required, density), unheld=unheld
-        )
-        plan = replace(plan, misfits=kit.held)
-        if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
-            return replace(plan, pieces=())
-        return plan
+        plan = plan or _Plan(self.weight, required, ballast.place_by_hand(self.agent.body, required), unheld=unheld)
+        # A seat that holds nothing is in the way of what is put in by hand.
+        return replace(plan, misfits=kit.held, pieces=() if kit.held and not plan.held else plan.pieces)
 
     def find_required(self, weight: PrintWeight) -> MassElement:
         return ballast.required_ballast(
@@ -244,25 +239,6 @@ class _Planner:
         return PrintWeight(float(whole), float(cog), self.weight.source)
 
 
-def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
-    """Return whether a seat is between the core, where ballast that is set by hand goes in, and a piece."""
-    return (
-        seat.held_by == "seat"
-        and min(abs(piece.start), abs(piece.end)) > abs(seat.x) - seat.diameter
-        and (seat.x * piece.element.x > 0)
-    )
-
-
-def _fill_seats(held: Sequence[HeldBall], required: MassElement, density: float) -> tuple[Piece, ...]:
-    """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
-    if len(held) == 1:
-        return (ballast.make_ball(required.mass, held[0].x, density),)
-    aft, fore = sorted(ball.x for ball in held)
-    share = min(max((required.x - aft) / (fore - aft), 0.0), 1.0)
-    masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
-    return tuple(ballast.make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
-
-
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
     """The agent with its ballast or buoyancy, ``None`` without room for it, and what that is."""
     hull, *others = plan.weight.elements(agent)
@@ -283,8 +259,8 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
             }
             for piece in plan.pieces
         ],
-        "held": [asdict(ball) for ball in plan.held],
-        "misfits": [asdict(ball) for ball in plan.misfits],
+        "held": plan.held,
+        "misfits": plan.misfits,
         "seat_mass": plan.seats,
         "unheld": plan.unheld or None,
         "residual_moment": residual,
@@ -346,15 +322,7 @@ def trim_design(
         ballast_density = given.ballast_density
 
     def measure(balls: Balls | None = None) -> KitReport:
-        if balls is None:
-            return report_kit(body, given)
-        changed = {**given.model_dump(), "ballast": [list(ball) for ball in balls]}
-        try:
-            options = PartOptions.model_validate(changed)
-        except ValueError:
-            sizes = ", ".join(f"{1000 * diameter:.2g} mm" for _, diameter in balls)
-            raise WorkFailedError(f"exporter '{format}' makes no seats for balls of {sizes}") from None
-        return report_kit(body, options)
+        return report_kit(body, given if balls is None else given.model_copy(update={"ballast": tuple(balls)}))
 
     weight = weigh_print(design.agent, printed_mass, printed_cog, measure())
     return _trim(design, weight, ballast_density, measure)

@@ -14,7 +14,7 @@ from driftform_frusta.hull import MM3_PER_M3, printed_volume
 from driftform_frusta.strength import describe_strength
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
-from driftform_kit.checks.shells import Shell, Topology, analyse_topology, find_shells, orient_outward
+from driftform_kit.checks.shells import Shell, Topology, analyse_topology, find_shells
 from driftform_kit.checks.slenderness import ADHESION, BRIMS, PUSH, find_brim, measure_slenderness
 from driftform_kit.checks.walls import REACH, find_thinnest_wall
 from driftform_kit.reading import read_meshes
@@ -75,13 +75,8 @@ class AnalysedPart:
     @property
     def outward(self) -> Mesh:
         """The mesh with all triangles turned to face outward; those of hollows come last."""
-        return replace(self.part, triangles=orient_outward(self.shells))
-
-
-def analyse_part(part: Mesh) -> AnalysedPart:
-    """Return a part with its topology and its shells."""
-    found = analyse_topology(part.triangles)
-    return AnalysedPart(part, found, find_shells(part, found) if found.closed and found.oriented else ())
+        turned = [shell.triangles[:, ::-1] if shell.inside_out else shell.triangles for shell in self.shells]
+        return replace(self.part, triangles=np.concatenate(turned))
 
 
 class MeshChecker(Checker[MeshOptions]):
@@ -92,7 +87,11 @@ class MeshChecker(Checker[MeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
-        plates = [[analyse_part(part) for part in read_meshes(path)] for path in job.files]
+        found = [[(part, analyse_topology(part.triangles)) for part in read_meshes(path)] for path in job.files]
+        plates = [
+            [AnalysedPart(part, t, find_shells(part, t) if t.closed and t.oriented else ()) for part, t in plate]
+            for plate in found
+        ]
         studied = [one for plate in plates for one in plate]
         parts = [one.part for one in studied]
         unit = _check_unit(parts)
@@ -276,7 +275,11 @@ def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
         count = len(studied[0].shells)
         if count != expected:
             return State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
-    state, message = _judge(studied, _describe_loose, passed)
+    state, message = _judge(
+        studied,
+        lambda one: f"{n} pieces that do not touch" if (n := sum(not s.hollow for s in one.shells)) > 1 else "",
+        passed,
+    )
     return State.WARN if state is State.FAIL else state, message
 
 
@@ -301,11 +304,6 @@ def _list_neighbours(solids: Sequence[AnalysedPart]) -> Iterator[tuple[AnalysedP
         before = bounds[:number]
         for other in np.flatnonzero((before[:, 0] < high).all(axis=1) & (low < before[:, 1]).all(axis=1)).tolist():
             yield solids[other], solids[number]
-
-
-def _describe_loose(one: AnalysedPart) -> str:
-    pieces = sum(not shell.hollow for shell in one.shells)
-    return f"{pieces} pieces that do not touch" if pieces > 1 else ""
 
 
 def _is_whole(job: PrintJob) -> bool:

@@ -151,8 +151,3 @@ def _share_within(points: FloatArray, solid: Manifold) -> float:
     # A ray that leaves a closed surface passes it an odd number of times, whichever way that faces.
     ends = chosen + np.ptp(solid.bounding_box()) * _ASIDE
     return float(np.mean([len(solid.ray_cast(*ray)) % 2 for ray in zip(chosen.tolist(), ends.tolist(), strict=True)]))
-
-
-def orient_outward(shells: tuple[Shell, ...]) -> IntArray:
-    """Return the triangles of all shells, each turned to face as its depth demands, (m, 3)."""
-    return np.concatenate([s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells])

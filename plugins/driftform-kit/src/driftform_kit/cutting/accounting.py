@@ -1,6 +1,8 @@
 """Mass and volume of a kit, compared with those that were simulated: sleeves, seats and fillings add mass."""
 
+import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 from driftform.agent import MassElement, mass_properties
 from driftform.errors import WorkFailedError
@@ -9,6 +11,7 @@ from driftform_frusta.cores import make_ball
 from driftform_frusta.hull import wall_moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_kit.ballast import NEGLIGIBLE, ball_diameter
+from driftform_kit.cutting.joint import find_seal, seal_start
 from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 
@@ -23,7 +26,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
     Ballast, and the putty of trim pockets, are not counted, but seats are. Parts of revolution are integrated in closed form; glue
-    and O-rings weigh nothing here.
+    weighs nothing here.
     """
     emptied = tuple(replace(pocket, density=0.0) for pocket in body.pockets)
     fittings = measure_fittings(body, options)
@@ -66,7 +69,7 @@ def _settle_ball(body: Body, options: PartOptions, balanced: bool) -> tuple[floa
 
 @dataclass(frozen=True)
 class KitWeight:
-    """Weights of the parts of a kit at full flow, and of core, ballast and putty, which are bought; kg and kg m.
+    """Weights of the parts of a kit at full flow, and of core, ballast, putty and O-rings, which are bought; kg and kg m.
 
     The parts may weigh the ``most``, so that the closed kit is not heavier than simulated; it is ``loaded`` with ballast or putty.
     """
@@ -94,12 +97,13 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
     core, empty = agent.body.core, kit_mass(agent.body, options)
     added = [(make_ball(options.ballast_density, 2 * b.ball.radius / MM).mass, b.ball.z / MM) for b in kit.ballast]
     added += [(putty.mass, putty.x) for putty in map(MassElement.of_putty, agent.body.pockets)]
-    bought = core.mass + sum(mass for mass, _ in added)
+    rings = _account_for_seals(kit)[0]
+    bought = core.mass + sum(mass for mass, _ in added) + rings.volume
     return KitWeight(
-        empty.mass - core.mass,
-        float(empty.mass * empty.cog[0]) - core.mass * core.cog,
+        empty.mass - core.mass - rings.volume,
+        float(empty.mass * empty.cog[0]) - core.mass * core.cog - rings.first,
         bought,
-        sum(mass * x for mass, x in added) + core.mass * core.cog,
+        sum(mass * x for mass, x in added) + core.mass * core.cog + rings.first,
         agent.mass.mass - bought,
         bool(added),
     )
@@ -107,9 +111,30 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
 
 def measure_fittings(body: Body, options: KitOptions) -> Fittings:
     """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes; and its details."""
-    details = body.fittings.details
+    details, kit = body.fittings.details, make_kit(body, options)
     fitted = sum((detail.moments for detail in details), wall_moments(body))
-    return Fittings(kit_moments(make_kit(body, options)) - fitted, details)
+    return Fittings(kit_moments(kit) - fitted, details, *_account_for_seals(kit))
+
+
+def _account_for_seals(kit: Kit) -> tuple[Moments, Moments, tuple[dict[str, Any], ...]]:
+    """Return what :class:`Fittings` has of the O-rings of a kit.
+
+    Rims that bear on each other keep no water out. Of what a ring leaves free of its groove, half lies before it.
+    """
+    rings, flooded, glands = Moments(), Moments(), list[dict[str, Any]]()
+    for joint in kit.joints:
+        if (gland := joint.gland) and (seal := find_seal(kit.hull, joint)):
+            before, radius = seal_start(gland), (seal.groove_mm + gland.depth) / 2
+            room = 2 * math.pi * radius * joint.gap * before + seal.volume * (1 / seal.fill - 1) / 2
+            rings += _hoop(seal.mass, joint.z - joint.side * (before + gland.width / 2), radius)
+            flooded += _hoop(room / MM**3, joint.z - joint.side * before / 2, radius)
+            glands.append(seal.describe())
+    return rings, flooded, tuple(glands)
+
+
+def _hoop(amount: float, z: float, radius: float) -> Moments:
+    x = z / MM
+    return Moments(amount, amount * x, amount * x * x, amount * (radius / MM) ** 2)
 
 
 def kit_moments(kit: Kit) -> Moments:

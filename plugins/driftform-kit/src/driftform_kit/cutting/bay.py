@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import CrossSection
 
-from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_kit.cutting import meridian
@@ -130,15 +129,6 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
-
-
-def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
-    """Return the distance of points of the axis, at some heights, from the edges of parts, mm."""
-    points = np.column_stack((np.zeros_like(heights), heights))
-    rings = [ring for part in parts for ring in meridian.list_rings(part)]
-    apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
-    nearest: FloatArray = np.min(apart, axis=0)
-    return nearest
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:

@@ -18,8 +18,7 @@ from driftform_frusta.parts import Part
 from driftform_frusta.solid import to_solid
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import SEAT, Ball, draw_seat
-from driftform_kit.cutting.bayonet import cut_tracks, draw_lugs
-from driftform_kit.cutting.cut import make_sleeve
+from driftform_kit.cutting.cut import LOCKS, make_sleeve
 from driftform_kit.cutting.gland import choose_gland
 from driftform_kit.cutting.joint import LIP, draw_joint, seal_bore
 from driftform_kit.cutting.meridian import MM
@@ -51,7 +50,7 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
     """
     core, sealed = MM * body.core.radius, options.model_copy(update={"o_ring": options.cord or CORD})
     models = [make_sleeve(0.0, -1, sealed.model_copy(update={"clearance": gap / MM}), True) for gap in CLEARANCES]
-    gland, lap = choose_gland(MM * sealed.o_ring), models[0].lap
+    gland, lap, lock = choose_gland(MM * sealed.o_ring), models[0].lap, LOCKS.get(models[0].kind)
     # A wall of more lines fits alike, and takes longer to print.
     wall = MM * min(body.wall, MAX_LINES * options.nozzle)
     # The sleeve is thinnest at the largest clearance. A ring that is sold fits within a step of the sizes.
@@ -69,9 +68,9 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
         plug = (hull.material ^ meridian.make_slab(low, 0.0)) + ring
         seat = draw_seat(hull, Ball(0.0, core), [plug], 0, meridian.make_slab(high, high + 1), -1, joint.gap)
         assert seat is not None  # A straight tube has room.
-        cells.append(_make_cell(plug + seat.section, cut_tracks(joint, bore, plug) if joint.kind == "bayonet" else ()))
+        cells.append(_make_cell(plug + seat.section, lock.cut_tracks(joint, bore, plug) if lock else ()))
     socket = (hull.material + pad ^ meridian.make_slab(0.0, high)) - pocket
-    ring_cell = _make_cell(socket, [draw_lugs(joint, bore, socket)] if joint.kind == "bayonet" else ())
+    ring_cell = _make_cell(socket, [lock.draw_lugs(joint, bore, socket)] if lock else ())
     cells.append(Translate((0.0, 0.0, low), ring_cell))
     pitch = 2 * hull.widest - _SHARED
     placed: list[Node] = []

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from operator import itemgetter
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +12,14 @@ import numpy as np
 from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform_frusta.kit_options import KitOptions
+from driftform_kit.cutting import bayonet, thread
 from driftform_kit.cutting.bay import core_ball
-from driftform_kit.cutting.bayonet import LUG, track_length
 from driftform_kit.cutting.gland import choose_gland
 from driftform_kit.cutting.joint import LIP, Joint, Line, plug_bore, radii_along, seal_length, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull
+
+LOCKS: dict[str, ModuleType] = {"bayonet": bayonet, "thread": thread}
+"""What draws the kinds of joints that open: their ``HEIGHT`` and ``LENGTH``, ``draw_lugs`` of the socket, ``cut_tracks`` of the plug."""
 
 STEP = 0.25
 """mm between the places that are tried for the joint beside the core."""
@@ -39,7 +43,7 @@ _ROUNDING = 0.01
 def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
     """Return the joint of the two shells, through which the core is inserted, and the reason for the choice.
 
-    It is a sleeve, or a bayonet if that is asked for, as near to the core's equator as possible, or a rabbet at the equator. Fails if
+    It is a sleeve, or one that opens if that is asked for, as near to the core's equator as possible, or a rabbet at the equator. Fails if
     the requested joint, or any joint, has no room.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
@@ -56,9 +60,9 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
         f"no {tried.kind} of {tried.plug:.4g} mm fits beside the core: on neither side does the hull stay as wide "
         f"as the core for the {tried.lap:.4g} mm of its lap and a wall to hold it"
     )
-    if tried.kind == "bayonet":
+    if tried.kind in LOCKS:
         fault = (
-            f"no kit can be made: {no_sleeve}, with a cavity of {2 * (hull.room(tried.gap) + LUG):.1f} mm or more across there. A larger radius of the hull "
+            f"no kit can be made: {no_sleeve}, with a cavity of {2 * (hull.room(tried.gap) + getattr(LOCKS.get(tried.kind), 'HEIGHT', 0.0)):.1f} mm or more across there. A larger radius of the hull "
             "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it"
         )
     elif options.joint == "sleeve":
@@ -93,7 +97,7 @@ def _find_lack(hull: Hull, options: KitOptions) -> float:
         tried = make_sleeve(0.0, side, options, seals=True)
         away = np.arange(0.0, 4 * hull.reach, STEP)
         mouth, tip = hull.bore_radius(side * away), np.maximum(away - tried.lap, 0.0)
-        passing = np.maximum.accumulate(hull.room(tried.gap) + LUG * (tried.kind == "bayonet") - mouth)
+        passing = np.maximum.accumulate(hull.room(tried.gap) + _height(tried) - mouth)
         beside = hull.core + tried.gap - hull.beside_core(np.maximum(mouth - tried.gap - tried.plug, 0.0), side * tip)
         lacks.append(float(np.maximum(passing, beside).min()))
     return max(_ROUNDING, min(lacks))
@@ -117,25 +121,32 @@ def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[
 
 
 def make_sleeve(z: float, side: int, options: KitOptions, seals: bool = False) -> Joint:
-    """Return a sleeve at a height, or, where the core goes in and it ``seals``, the bayonet that is asked for.
+    """Return a sleeve at a height, or, where the core goes in and it ``seals``, the bayonet or the thread that is asked for.
 
     With an O-ring it is thick enough for two printed lines below the groove, and long enough for all that it has.
     """
-    bayonet = options.joint == "bayonet"
-    cord = MM * (options.cord if seals or not bayonet else 0.0)
+    opens = options.joint in LOCKS
+    cord = MM * (options.cord if seals or not opens else 0.0)
     plug, lap, gap = MM * options.sleeve, MM * options.lap, MM * options.clearance
     if not cord:
         return Joint(z, side, "sleeve", lap, plug, gap)
     gland = choose_gland(cord)
     plug = max(plug, gland.depth - gap + max(LIP, 2 * MM * options.nozzle))
-    lap = max(lap, seal_length(gland) + (track_length() if bayonet else 0.0))
-    return Joint(z, side, "bayonet" if bayonet else "sleeve", lap, plug, gap, gland)
+    kind = options.joint if options.joint in ("bayonet", "thread") else "sleeve"
+    return Joint(
+        z, side, kind, max(lap, seal_length(gland) + getattr(LOCKS.get(kind), "LENGTH", 0.0)), plug, gap, gland
+    )
+
+
+def _height(joint: Joint) -> float:
+    """How far what locks a joint stands into its bore, mm."""
+    return getattr(LOCKS.get(joint.kind), "HEIGHT", 0.0)
 
 
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
     line = trace_mouth(hull, joint)
-    if line[-1][1] - (LUG if joint.kind == "bayonet" else 0.0) < need or not _is_rooted(hull, joint, line):
+    if line[-1][1] - _height(joint) < need or not _is_rooted(hull, joint, line):
         return False
     if joint.gland:
         # Behind the chamfer it is a cylinder.
@@ -203,7 +214,7 @@ def _make_step(hull: Hull, z: float, side: int, options: KitOptions) -> Joint | 
     along = z - side * np.linspace(-plug, lap + gap, 2 * math.ceil(lap / STEP))
     line = np.column_stack((along, np.maximum(hull.bore_radius(along), hull.bore_at(z))))
     wall = float(distance_from(line, hull.skin).min())
-    sealed = options.o_ring and options.joint != "bayonet"
+    sealed = options.o_ring and options.joint not in LOCKS
     if sealed or not hull.bore_at(z) or wall < 2 * plug + gap:
         return None
     return Joint(z, side, "rabbet", lap, min((wall - gap) / 2, MAX_STEP), gap)

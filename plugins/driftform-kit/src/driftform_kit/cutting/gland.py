@@ -15,6 +15,9 @@ _SECTIONS: list[dict[str, Any]] = tomllib.loads(files(__package__).joinpath("o-r
 STRETCH = 0.01, 0.05
 """Minimum and maximum stretch of an O-ring round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
 
+NITRILE = 1250.0
+"""Density of an O-ring, kg/m3: data sheets of nitrile of 70 Shore A have 1200 to 1300, by how much carbon black is in it."""
+
 _NEAR = 0.02
 """mm: a cord that differs by less is that of the standard: 1.8 mm is 1.78 mm."""
 
@@ -78,6 +81,24 @@ class Seal:
     stretch: float
     squeeze: float
     fill: float
+
+    @property
+    def volume(self) -> float:
+        """Volume of the ring, mm3: that of a torus, which stays when it is stretched and squeezed."""
+        return math.pi**2 / 4 * self.cord_mm**2 * (self.inside_mm + self.cord_mm)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the ring, kg."""
+        return 1e-9 * NITRILE * self.volume
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in SI units, with a ``summary``."""
+        facts = {k.removesuffix("_mm"): v / 1000 if k.endswith("_mm") else v for k, v in vars(self).items()}
+        bought = f"{self.ring or 'cord'}, {self.inside_mm:.4g} x {self.cord_mm:g} mm, {1000 * self.mass:.2f} g"
+        groove = f"groove {self.groove_mm:.2f} mm across, {self.wall_mm:.2f} mm of wall under it"
+        fits = f"stretch {self.stretch:.0%}, squeeze {self.squeeze:.0%}, fill {self.fill:.0%}"
+        return {**facts, "mass": self.mass, "summary": f"{bought}; {groove}; {fits}"}
 
 
 def choose_gland(cord: float) -> Gland:

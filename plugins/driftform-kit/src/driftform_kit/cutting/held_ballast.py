@@ -1,4 +1,4 @@
-"""Seats for balls of ballast in the parts of a kit.
+"""The seat for a ball of ballast in a part of a kit.
 
 A ball comes to rest on the wall, or on a seat like that of the core. It goes in by a mouth of its part, before the part is
 joined there, or, if a neck is in the way, while the part is printed: the printer pauses when the ball's place is done.
@@ -12,13 +12,14 @@ from operator import itemgetter
 import numpy as np
 from manifold3d import CrossSection
 
+from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import Revolve
 from driftform_frusta.solid import to_solid
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import prints_upside_down
 from driftform_kit.cutting import meridian
-from driftform_kit.cutting.bay import AREA, Ball, Seat, distance_along, draw_seat, draw_tube, is_held
+from driftform_kit.cutting.bay import AREA, Ball, Seat, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import Hull
 
@@ -51,35 +52,23 @@ class NoWayInError(WorkFailedError):
 def hold_ballast(
     hull: Hull, parts: list[CrossSection], joints: Sequence[Joint], core_joint: Joint, gap: float, balls: Sequence[Ball]
 ) -> tuple[HeldBall, ...]:
-    """Add seats for balls of ballast to the sections of parts as joined, and return how each is held, from aft to fore.
+    """Add the seat for a ball of ballast to the sections of parts as joined, and return how it is held; nothing without a ball.
 
     The parts have the seats of the core; ``gap`` is that between seat and ball, mm.
 
-    Fails if a ball has no room, cannot get to its place, or cannot be held there.
+    Fails if the ball has no room, cannot get to its place, or cannot be held there.
     """
     if not balls:
         return ()
-    shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
-    held = []
-    for ball in balls:
-        part = sum(joint.z < ball.z for joint in joints)
-        kept_free = [_draw_path(hull, core_joint) if part == shell else hull.draw_core(-_ROUNDING)]
-        kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
-        if (ball.draw() ^ kept_free[0]).area() > AREA:
-            raise _refuse(ball, hull, "the core is there, or passes there")
-        if any((ball.draw() ^ other).area() > AREA for other in kept_free[1:]):
-            raise _refuse(ball, hull, "another ball is there")
-        held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
-        if held[-1].seat is not None:
-            parts[held[-1].part] += held[-1].seat.section
-    # A seat may be in the way of a ball beyond it.
-    for one in held if len(held) > 1 else ():
-        if one.mouth is None:
-            if _fore_down(parts[one.part]) != (one.side > 0):
-                raise _refuse(one.ball, hull, "with all seats its part is printed on its other end")
-        elif free_radius(hull, parts[one.part], joints[one.mouth], one.ball.z) < one.ball.radius - _ROUNDING:
-            raise _refuse(one.ball, hull, "the seat of another ball is in its way")
-    return tuple(sorted(held, key=lambda one: one.ball.z))
+    [ball] = balls
+    shell, part = joints.index(core_joint) + (not takes_core_aft(core_joint)), sum(joint.z < ball.z for joint in joints)
+    kept_free = _draw_path(hull, core_joint) if part == shell else hull.draw_core(-_ROUNDING)
+    if (ball.draw() ^ kept_free).area() > AREA:
+        raise _refuse(ball, hull, "the core is there, or passes there")
+    held = _hold(hull, parts, joints, gap, ball, part, kept_free)
+    if held.seat is not None:
+        parts[held.part] += held.seat.section
+    return (held,)
 
 
 def _draw_path(hull: Hull, joint: Joint) -> CrossSection:
@@ -99,9 +88,10 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     if min(narrowest, *hull.bore_radius([low, high]).tolist()) <= 0:
         return 0.0
     # The nearest point of a polygon is a vertex, except where an end of the passage is nearest to an edge.
-    corners = np.concatenate(meridian.list_rings(part))
+    rings, ends = [np.concatenate((r, r[:1])) for r in meridian.list_rings(part)], np.array([[0.0, low], [0.0, high]])
+    corners = np.concatenate(rings)
     beyond = corners[:, 1] - np.clip(corners[:, 1], low, high)
-    return min(float(np.hypot(corners[:, 0], beyond).min()), float(distance_along([part], np.array([low, high])).min()))
+    return min(float(np.hypot(corners[:, 0], beyond).min()), *(float(distance_from(ends, r).min()) for r in rings))
 
 
 def _hold(
@@ -111,7 +101,7 @@ def _hold(
     gap: float,
     ball: Ball,
     part: int,
-    kept_free: Sequence[CrossSection],
+    kept_free: CrossSection,
 ) -> HeldBall:
     own, others = parts[part], [section for index, section in enumerate(parts) if index != part]
     if any((ball.draw(gap) ^ other).area() > AREA for other in others):
@@ -120,7 +110,7 @@ def _hold(
         raise _refuse(ball, hull, "it is not in the cavity")
     if (ball.draw(-_ROUNDING) ^ own).area() > AREA:
         raise _refuse(ball, hull, "the bore is narrower there")
-    taken = meridian.unite((*others, *kept_free))
+    taken = meridian.unite((*others, kept_free))
 
     def support(side: int) -> tuple[bool, Seat | None]:
         """Return whether the ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
@@ -145,15 +135,13 @@ def _hold(
         # The bore narrows nowhere between the middle and the top of the ball: it fits into the unfinished part from above.
         if hull.bore_radius(ball.z - side * np.linspace(0.0, ball.radius, 20)).min() > ball.radius:
             held, seat = support(side)
-            if held and _fore_down(own if seat is None else own + seat.section) == (side > 0):
+            # It is printed on the end that the ball rests on.
+            whole = meridian.take_half(own if seat is None else own + seat.section)
+            solid = to_solid(Revolve(*meridian.split_rings(meridian.list_rings(whole))))
+            if held and prints_upside_down(Mesh(solid.vertices, solid.triangles)) == (side > 0):
                 return HeldBall(ball, part, None, side, seat)
-    why = "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
+    why = "it is wider than the passage to it, or a seat has no room beside joint and core"
     raise NoWayInError(str(_refuse(ball, hull, why)))
-
-
-def _fore_down(section: CrossSection) -> bool:
-    solid = to_solid(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(section)))))
-    return prints_upside_down(Mesh(solid.vertices, solid.triangles))
 
 
 def _refuse(ball: Ball, hull: Hull, why: str) -> WorkFailedError:

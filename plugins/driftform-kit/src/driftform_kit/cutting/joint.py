@@ -38,13 +38,13 @@ class Joint:
     """The place and the kind of a joint of two parts, whose outer surface is cut at ``z``; lengths in mm.
 
     The plug is on the part at its ``side``: +1 fore of the cut, -1 aft. It is ``lap`` long and ``plug`` thick, with a ``gap``
-    to the socket all round. As a sleeve or a bayonet it lies inside the cavity; in a rabbet both share the thickness of the wall. With
+    to the socket all round. As a sleeve, a bayonet or a thread it lies inside the cavity; in a rabbet both share the thickness of the wall. With
     a gland for an O-ring, whose groove is in the plug, the meeting surface is a cylinder behind a chamfer.
     """
 
     z: float
     side: int
-    kind: Literal["sleeve", "rabbet", "bayonet"]
+    kind: Literal["sleeve", "rabbet", "bayonet", "thread"]
     lap: float
     plug: float
     gap: float
@@ -101,9 +101,14 @@ def seal_bore(gland: Gland, widest: float) -> float:
     return gland.fit_groove(2 * (widest - gland.depth)) / 2 + gland.depth
 
 
+def seal_start(gland: Gland) -> float:
+    """Return the distance of the groove of a seal from the cut: the chamfer of its socket, and a lip; mm."""
+    return _SLOPE * gland.proud + LIP
+
+
 def seal_length(gland: Gland) -> float:
     """Return the length of plug that a seal takes up, with the chamfer of its socket, mm."""
-    return _SLOPE * gland.proud + LIP + gland.bottom + gland.depth + LIP
+    return seal_start(gland) + gland.bottom + gland.depth + LIP
 
 
 def _list_depths(hull: Hull, joint: Joint, end: float) -> list[float]:
@@ -173,7 +178,7 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
     cut = _draw_symmetric(joint, chamfer)
     if joint.gland:
         bottom = surface + joint.gap - joint.gland.depth
-        near = -_SLOPE * joint.gland.proud - LIP
+        near = -seal_start(joint.gland)
         far = near - joint.gland.bottom
         # The last side overhangs when the tip is up.
         ring = [(surface + 1, near), (bottom, near), (bottom, far), (surface + 1, far - (surface + 1 - bottom))]

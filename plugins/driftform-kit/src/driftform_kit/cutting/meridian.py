@@ -195,12 +195,7 @@ def make_slab(low: float, high: float) -> CrossSection:
 @lru_cache(maxsize=16)
 def make_disc(radius: float) -> CrossSection:
     """Return a disc about the origin; the polygon encloses the circle, so that no chord is nearer than the radius."""
-    return CrossSection.circle(circumradius(radius), _CORNERS)
-
-
-def circumradius(radius: float) -> float:
-    """Return the radius of the corners of a disc."""
-    return float(radius / np.cos(np.pi / _CORNERS))
+    return CrossSection.circle(float(radius / np.cos(np.pi / _CORNERS)), _CORNERS)
 
 
 def grow(section: CrossSection, by: float) -> CrossSection:

@@ -18,8 +18,7 @@ from driftform_kit.checks.overhangs import TURNS, list_orientations, prints_upsi
 from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
-from driftform_kit.cutting.bayonet import cut_tracks, draw_lugs
-from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
+from driftform_kit.cutting.cut import LOCKS, choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.held_ballast import HeldBall, NoWayInError, hold_ballast
 from driftform_kit.cutting.joint import Joint, draw_joint, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull, Ring
@@ -33,12 +32,13 @@ class Piece:
     """One part of a kit, such as ``fore shell``; ``fore shell 2`` is the next one outward.
 
     ``rings`` is its half section: (r, z) in mm, z from the core's centre towards fore; what it has, or lacks, beside its
-    body of revolution are its ``details``.
+    body of revolution are its ``details``. What joints and seats would seal off is ``filled``.
     """
 
     name: str
     rings: tuple[Ring, ...]
     details: tuple[Detail, ...] = ()
+    filled: tuple[Ring, ...] = ()
 
     @cached_property
     def fore_down(self) -> bool:
@@ -109,10 +109,10 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     hull, joints, core_joint = bare.hull, bare.joints, bare.core_joint
     found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
     names = [_name_part(index, joints.index(core_joint)) for index in range(len(sections))]
-    polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
+    rings, filled = zip(*map(_take_rings, sections, names), strict=True)
     locks = _make_locks(hull, core_joint, joints.index(core_joint), sections)
     details = [own + lock for own, lock in zip(_share_details(body, joints), locks, strict=True)]
-    pieces = tuple(map(Piece, names, polygons, details))
+    pieces = tuple(map(Piece, names, rings, details, filled))
     return replace(bare, pieces=pieces, seats=found, ballast=ballast)
 
 
@@ -184,12 +184,15 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
 
 
 def _make_locks(hull: Hull, joint: Joint, index: int, parts: list[CrossSection]) -> list[tuple[Detail, ...]]:
-    """What each part has of the bayonet of the joint with an index, if it is one."""
+    """What each part has of the bayonet or the thread of the joint with an index, if it is one."""
     locks: list[tuple[Detail, ...]] = [()] * len(parts)
-    if joint.kind == "bayonet":
+    if lock := LOCKS.get(joint.kind):
         bore = trace_mouth(hull, joint)[-1][1]
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
-        locks[plug], locks[socket] = cut_tracks(joint, bore, parts[plug]), (draw_lugs(joint, bore, parts[socket]),)
+        locks[plug], locks[socket] = (
+            lock.cut_tracks(joint, bore, parts[plug]),
+            (lock.draw_lugs(joint, bore, parts[socket]),),
+        )
     return locks
 
 
@@ -198,9 +201,12 @@ def _name_part(index: int, inner: int) -> str:
     return f"{side} shell {place + 1}" if place else f"{side} shell"
 
 
-def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
+def _take_rings(section: CrossSection, name: str) -> tuple[tuple[Ring, ...], tuple[Ring, ...]]:
     right = meridian.take_half(section)
     if len(right.decompose()) != 1:
         raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
     # A pocket between a plug and a seat would be sealed: it is filled.
-    return tuple(ring for ring in meridian.list_rings(right) if meridian.signed_area(ring) > 0)
+    rings = meridian.list_rings(right)
+    return tuple(r for r in rings if meridian.signed_area(r) > 0), tuple(
+        r for r in rings if meridian.signed_area(r) < 0
+    )

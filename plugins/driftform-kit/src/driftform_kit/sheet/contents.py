@@ -66,7 +66,7 @@ class SheetPart:
 
 @dataclass(frozen=True, eq=False)
 class SheetBall:
-    """A ball of ballast: the letter that marks it, from aft to fore, the number of its part, its mass (kg), and how it goes in.
+    """A ball of ballast: the letter that marks it, the number of its part, its mass (kg), and how it goes in.
 
     It goes in by a ``mouth``, or by a pause of the printer at a height of ``pause``, mm.
     """
@@ -77,11 +77,6 @@ class SheetBall:
     held: HeldBall
     mouth: Joint | None
     pause: float | None
-
-    @property
-    def deep(self) -> float:
-        """How far it goes in by its mouth, mm."""
-        return abs(self.held.ball.z - self.mouth.z) if self.mouth else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,16 +115,28 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
     body, target = job.agent.body, job.agent.mass
     kit = make_kit(body, options)
     parts = _number_parts(kit, body.hull_density)
-    balls = _mark_balls(kit, parts, options)
+    balls = tuple(
+        SheetBall(
+            mark="A",
+            number=next(part.number for part in parts if part.place == held.part),
+            mass=make_ball(options.ballast_density, 2 * held.ball.radius / MM).mass,
+            held=held,
+            mouth=None if held.mouth is None else kit.joints[held.mouth],
+            pause=kit.find_pause(held),
+        )
+        for held in kit.ballast
+    )
     what = f"capsule of {MM * float(np.ptp(body.core.ends)):g} x" if body.core.contour else "ball of"
     core = f"{what} {2 * MM * body.core.radius:g} mm, {1000 * body.core.mass:.2f}{_NBSP}g"
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
-    printed, filament = weigh_kit(job.agent, kit, options), name_filament(body.hull_density)
+    printed, material = weigh_kit(job.agent, kit, options), find_material(body.hull_density)
+    filament = f"{material + ', ' if material else ''}{body.hull_density / 1000:.4g}{_NBSP}g/cm³"
     putty = [MassElement.of_putty(pocket) for pocket in body.pockets]
     bought = [("core", body.core.mass), *((f"ball {ball.mark}", ball.mass) for ball in balls)]
     bought += [("putty", sum(element.mass for element in putty))] if putty else []
     seals = {joint: seal for joint in kit.joints if (seal := find_seal(kit.hull, joint))}
+    bought += [("O-rings", sum(seal.mass for seal in seals.values()))] if seals else []
     # Keys and paragraphs: the remedy, what to get, and the steps in an order that can be done.
     lines = fill_template(
         "steps.txt",
@@ -149,7 +156,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
         printed=printed,
         material=name_material(options.ballast_density),
         filament=filament,
-        note=MATERIALS[printed_of].note if (printed_of := find_material(body.hull_density)) else "",
+        note=MATERIALS[material].note if material else "",
         seals=seals,
         rings=Counter(replace(seal, groove_mm=round(seal.groove_mm, 1)) for seal in seals.values()),
         readings={c: find_reading(job.agent, job.scenario.fluid, c) for c in (5.0, 10.0, 15.0, 20.0, 25.0)},
@@ -203,19 +210,3 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
         SheetPart(number, place, p, piece_mass(p, density))
         for number, (place, p) in enumerate(((place, kit.pieces[place]) for place in order), 1)
     )
-
-
-def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) -> tuple[SheetBall, ...]:
-    numbers = {part.place: part.number for part in parts}
-    masses = [make_ball(options.ballast_density, 2 * held.ball.radius / MM).mass for held in kit.ballast]
-    mouths = [None if held.mouth is None else kit.joints[held.mouth] for held in kit.ballast]
-    return tuple(
-        SheetBall(mark, numbers[held.part], mass, held, mouth, kit.find_pause(held))
-        for mark, mass, held, mouth in zip("AB", masses, kit.ballast, mouths, strict=False)
-    )
-
-
-def name_filament(density: float) -> str:
-    """Return the name of a hull's material by its density (kg/m3): ``ABS, 1.05 g/cm³``, or the density of others."""
-    name = find_material(density)
-    return f"{name + ', ' if name else ''}{density / 1000:.4g}{_NBSP}g/cm³"

@@ -45,7 +45,7 @@ def draw_pages(sheet: Sheet) -> tuple[str, str]:
         y += _LINE * len(shopping[-1][2])
     closed = _place_closed(sheet, y + 22)
     wide = _RIGHT - _LEFT - _COLUMN - 30
-    remedy = [*layout.fold(sheet.remedy, _TEXT, wide), "Glue, O-rings and plugs are not counted."]
+    remedy = [*layout.fold(sheet.remedy, _TEXT, wide), "Glue is not counted."]
     tables = max(20.0 * len(sheet.weights), _LINE * (len(sheet.settings) + len(remedy)) + 10)
     top, first = _BOTTOM - tables - 8, closed["level"] + 74
     parts, scale, name = _place_parts(sheet, first, top - first - 30)

@@ -11,10 +11,9 @@ function describeSpot(x, aft) {
   return speak("spot", { side, mm: millimetres(x - aft) });
 }
 
-function describePiece({ mass, x, diameter, ring, start, end }, aft, material) {
+function describePiece({ mass, x, diameter, ring }, aft, material) {
   if (diameter) return speak("piece.ball", { material, mm: millimetres(diameter), mass: grams(mass), spot: describeSpot(x, aft) });
-  if (ring) return speak("piece.ring", { mass: grams(mass), mm: millimetres(ring), spot: describeSpot(x, aft) });
-  return speak("piece.filling", { mass: grams(mass), material, spot: describeSpot(start, aft), end: describeSpot(end, aft) });
+  return speak("piece.ring", { mass: grams(mass), mm: millimetres(ring), spot: describeSpot(x, aft) });
 }
 
 // `material` is that of the ballast; `takeKit` is called with the seats of a kit that holds it.
