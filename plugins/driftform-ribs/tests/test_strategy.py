@@ -53,13 +53,14 @@ def test_a_flight_that_is_released_behind_a_station_has_the_height_of_its_releas
 
 
 def test_any_measures_are_the_axes_of_the_archive():
-    made = strategy(random=4, batch=4, measures={"mass": (0.0, 1.0), "length": (0.1, 0.3)})
+    made = strategy(random=4, batch=4, measures={"mass": (0.0, 1.0), "length": (0.1, 0.3), "height_0.5": (-1.0, 1.0)})
     found = [
         Evaluation(one.genome, np.array([50.0]), rising(0.1), measures={"mass": mass, "length": 0.2})
         for one, mass in zip(made.ask(4), (0.1, 0.4, 0.4001, 0.9), strict=True)
     ]
     made.tell(0, found)
-    assert made._archive.data("measures", return_type="tuple")[0][:, 0].tolist() == pytest.approx([0.1, 0.4, 0.9])
+    places = made._archive.data("measures", return_type="tuple")[0]
+    assert places[:, [0, 2]] == pytest.approx(np.array([[0.1, 0.05], [0.4, 0.05], [0.9, 0.05]]))
     with pytest.raises(
         InputError, match=r"strategy\.measures has 'weight', which no evaluation has; these have mass, length"
     ):

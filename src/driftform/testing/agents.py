@@ -26,10 +26,10 @@ def straight_pipe(length: float, radius: float) -> Pipe:
     return Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius),))
 
 
-def first_sample(trajectory: Trajectory) -> Trajectory:
-    """Return the flight that ended at its release."""
-    t = trajectory
-    return Trajectory(t.t[:1], t.position[:1], t.quaternion[:1], t.velocity[:1], End.INLET)
+def first_samples(trajectory: Trajectory, count: int = 1) -> Trajectory:
+    """Return the flight that ended with its first samples, by default at its release."""
+    t, n = trajectory, count
+    return Trajectory(t.t[:n], t.position[:n], t.quaternion[:n], t.velocity[:n], End.INLET)
 
 
 def hollow_agent() -> Agent:

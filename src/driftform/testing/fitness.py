@@ -10,7 +10,7 @@ import pytest
 
 from driftform.interfaces import Fitness
 from driftform.plugins.seams import require, require_scores
-from driftform.testing.agents import first_sample, sphere_agent, straight_pipe
+from driftform.testing.agents import first_samples, sphere_agent, straight_pipe
 from driftform.testing.contract import AnsweringContract, Question
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
 from driftform.util.rotations import matrix_from_quaternion
@@ -75,7 +75,7 @@ class FitnessContract(AnsweringContract[Fitness[Any]]):
         through = [straight_trajectory((0, 0, 0), point, times) for point in TARGETS.values()]
         past = straight_trajectory((0, 0, 0), (9, 0, -0.9), times)
         gone = straight_trajectory((0, 0, 0), (-1, 50, 0), times)
-        return [*through, past, gone, replace(first_sample(past), end=End.NON_FINITE)]
+        return [*through, past, gone, replace(first_samples(past), end=End.NON_FINITE)]
 
     def scenario(self, *names: str) -> Scenario:
         """Return the pipe with the named targets, by default with all."""
@@ -131,13 +131,7 @@ class FitnessContract(AnsweringContract[Fitness[Any]]):
         ends: list[Vector] = [(9.0, 0.9, -0.3), (9.0, 0.0, -0.9)] if self.plugin().judges_passing else []
         for end in ends:
             whole = straight_trajectory((0, 0, 0), end, np.linspace(0, 9, 91))
-            short = replace(
-                whole,
-                t=whole.t[:31],
-                position=whole.position[:31],
-                quaternion=whole.quaternion[:31],
-                velocity=whole.velocity[:31],
-            )
+            short = replace(first_samples(whole, 31), end=whole.end)
             assert self.score(short, "near")[0] == pytest.approx(self.score(whole, "near")[0], rel=1e-12)
 
     def test_people_read_a_number_with_its_unit_and_a_verdict(self) -> None:

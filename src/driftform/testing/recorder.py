@@ -8,7 +8,7 @@ import pytest
 
 from driftform.interfaces import Recorder
 from driftform.plugins.seams import require_files
-from driftform.testing.agents import first_sample
+from driftform.testing.agents import first_samples
 from driftform.testing.exporter import JobContract, list_files
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import End, Trajectory
@@ -34,7 +34,7 @@ class RecorderContract(JobContract[Recorder[Any]]):
 
     def test_a_flight_of_one_sample_is_recorded_too(self, tmp_path: Path) -> None:
         """A flight that ended at its release has one sample."""
-        self.record(tmp_path, first_sample(drifting_trajectory()))
+        self.record(tmp_path, first_samples(drifting_trajectory()))
 
     @pytest.mark.parametrize("end", [end for end in End if end.failed])
     def test_a_flight_that_failed_is_recorded_too(self, end: End, tmp_path: Path) -> None:

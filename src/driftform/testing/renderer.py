@@ -11,7 +11,7 @@ import pytest
 from driftform.errors import InputError
 from driftform.interfaces import Renderer
 from driftform.plugins.seams import require_file
-from driftform.testing.agents import first_sample, hollow_agent, straight_pipe
+from driftform.testing.agents import first_samples, hollow_agent, straight_pipe
 from driftform.testing.contract import SeamContract
 from driftform.types import End, Trajectory
 from driftform.water import Scenario
@@ -117,7 +117,7 @@ class RendererContract(SeamContract[Renderer[Any]]):
 
     def test_a_flight_of_one_sample_and_open_water_are_shown_too(self, tmp_path: Path) -> None:
         """A flight that ended at its release has one sample, and a scenario needs neither pipe nor targets."""
-        least: dict[str, Any] = {"trajectory": first_sample(drifting_trajectory()), "scenario": Scenario()}
+        least: dict[str, Any] = {"trajectory": first_samples(drifting_trajectory()), "scenario": Scenario()}
         for key, value in least.items():
             assert len(self.frames(tmp_path, **{key: value})) >= 1
             for suffix in self.plugin().stills:

@@ -1,7 +1,6 @@
 """The paper's genetic algorithm: roulette wheel on raw fitness, no elitism, one population per target."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -23,13 +22,6 @@ class PaperOptions(Table):
     mutation_rate: float = option(0.1, "probability of mutation", "", ge=0, le=1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Individual:
-    index: int
-    genome: Genome
-    fitness: FloatArray
-
-
 class PaperStrategy(GenerationStrategy[PaperOptions]):
     """The paper's genetic algorithm (section 2.3) for many targets at once.
 
@@ -43,7 +35,8 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
 
     def __init__(self, options: PaperOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._populations: list[list[_Individual]] = [[] for _ in space.targets]
+        # Evaluations of each target with their indices in the run.
+        self._populations: list[list[tuple[int, Evaluation]]] = [[] for _ in space.targets]
 
     def begin_generation(self) -> list[Candidate]:
         """Return the next generation of every population."""
@@ -52,7 +45,7 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
 
     def end_generation(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Replace the parents by the generation just evaluated: constant size, no elitism."""
-        told = [_Individual(index, one.genome, one.fitness) for index, one in enumerate(evaluations, first)]
+        told = list(enumerate(evaluations, first))
         size = self.options.population
         self._populations = [told[k : k + size] for k in range(0, len(told), size)]
 
@@ -61,16 +54,14 @@ class PaperStrategy(GenerationStrategy[PaperOptions]):
         parents = self._populations[number]
         if not parents:
             return [Candidate(grammar.random(rng), (), self.generation, target) for _ in range(size)]
-        chance = roulette_probabilities([parent.fitness[number] for parent in parents])
+        chance = roulette_probabilities([parent.fitness[number] for _, parent in parents])
         offspring: list[Candidate] = []
         while len(offspring) < size:
-            i, j = rng.choice(len(parents), size=2, p=chance)
-            a, b = parents[i], parents[j]
+            (i, a), (j, b) = (parents[at] for at in rng.choice(len(parents), size=2, p=chance))
             genomes = (a.genome, b.genome)
-            lineage: list[tuple[int, ...]] = [(a.index,), (b.index,)]
+            lineage: list[tuple[int, ...]] = [(i,), (j,)]
             if rng.random() < self.options.crossover:
-                genomes = grammar.crossover(*genomes, rng)
-                lineage = [(a.index, b.index)] * 2
+                genomes, lineage = grammar.crossover(*genomes, rng), [(i, j)] * 2
             for genome, of in zip(genomes, lineage, strict=True):
                 offspring.append(Candidate(self._mutate(genome), of, self.generation, target))
         return offspring[:size]

@@ -1,6 +1,8 @@
 """Quality diversity with an archive of pyribs, over heights at stations of the pipe or over any measures."""
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -42,7 +44,8 @@ class RibsOptions(Table):
     )
     measures: dict[str, tuple[Bound, Bound]] = option(
         {},
-        "measures that are the axes of the archive, each with its least and greatest value, in place of heights at stations",
+        "measures that are the axes of the archive in place of heights at stations, each with its least and greatest value, "
+        "such as mass, or height_0.5 for the height half-way",
         max_length=6,
     )
     objective: Literal["best", "mean"] = option(
@@ -85,12 +88,13 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
     def __init__(self, options: RibsOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._names = [*options.measures] or [f"height_{station:g}" for station in options.stations]
-        self._cells = None if options.measures else PipeGrid.of_scenario(space.scenario)
-        self._ranges = list(options.measures.values())
-        if self._cells is not None:
-            length, height = self._cells.size[:2] * self._cells.shape
-            self._stations = length * np.array(options.stations)
-            self._ranges = [(-float(height) / 2, float(height) / 2)] * len(options.stations)
+        self._stations = {
+            name: float(name[7:]) for name in self._names if re.fullmatch(r"height_(1|0?\.\d+|[\d.]+e-\d+)", name)
+        }
+        self._cells = PipeGrid.of_scenario(space.scenario) if self._stations else None
+        length, height = (0.0, 0.0) if self._cells is None else self._cells.size[:2] * self._cells.shape
+        self._places = float(length) * np.array([*self._stations.values()])
+        self._ranges = list(options.measures.values()) or [(-float(height) / 2, float(height) / 2)] * len(self._names)
         genes, seed = 0 if options.emitter == "breed" else len(space.grammar.list_genes()), space.rng.integers(2**31)
         self._guide = self._archive = make_archive(options, self._ranges, int(seed), genes)
         if options.emitter == "cma-mae":
@@ -169,9 +173,9 @@ class RibsStrategy(GenerationStrategy[RibsOptions]):
         flight = evaluation.trajectory
         if evaluation.failure is not None or flight is None or any(evaluation.violations.values()):
             return np.full(len(self._names), np.nan)
-        if self._cells is not None:
-            return station_heights(self._cells, flight, self._stations)
-        return np.array(self.read_values(evaluation, self._names, "measures"))
+        heights = np.zeros(0) if self._cells is None else station_heights(self._cells, flight, self._places)
+        measures = {**evaluation.measures, **dict(zip(self._stations, heights, strict=True))}
+        return np.array(self.read_values(replace(evaluation, measures=measures), self._names, "measures"))
 
 
 def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
