@@ -1,5 +1,6 @@
 """The addresses of the page, with the function of the core that each calls."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
@@ -45,8 +46,11 @@ REPORT_POLICY = (
 MAX_OPEN = 16
 """Runs whose state is kept in memory."""
 
-AXIS_STEPS = 24
-"""Pieces of the axis of a part on the page: 4 degrees of a bend of 90 degrees."""
+BEND_STEP = math.radians(4)
+"""Angle between two points of the axis of a bend on the page, rad."""
+
+REDUCER_STEPS = 16
+"""Pieces of the axis of a reducer on the page."""
 
 Parameters = Mapping[str, str]
 
@@ -370,7 +374,7 @@ def _outline(scenario: Any) -> dict[str, Any]:
                 "radii": np.round(axis.radii, 6).tolist(),
             }
             for placed in pipe.layout.parts
-            for number, axis in enumerate(placed.part.list_axes(placed.part.length / AXIS_STEPS))
+            for number, axis in enumerate(placed.part.list_axes(_axis_step(placed.part)))
         ],
         "openings": [
             {"centre": end.centre.tolist(), "direction": (sign * end.axes[0]).tolist(), "radius": end.radius}
@@ -382,6 +386,13 @@ def _outline(scenario: Any) -> dict[str, Any]:
         "current": scenario.current().tolist(),
         "water": scenario.fluid.water_level,
     }
+
+
+def _axis_step(part: Any) -> float:
+    """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
+    if isinstance(part, shapes.Bend):
+        return part.bend_radius * BEND_STEP
+    return part.length / REDUCER_STEPS if isinstance(part, shapes.Reducer) else math.inf
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
