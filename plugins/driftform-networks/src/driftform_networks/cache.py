@@ -25,8 +25,8 @@ def hash_content(content: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
-    """Return a result, a dataclass or a mapping of numbers and arrays, from its file, or make it and write the file.
+def keep_result(path: Path, build: Callable[..., T], make: Callable[[], Any]) -> T:
+    """Return what is built from numbers and arrays, a dataclass or a mapping, from their file, or make them and write the file.
 
     The process that makes it writes the file, so that what is finished is not lost with other work; without room for it the next
     run makes it again. A damaged file is made again, with a line.
@@ -34,7 +34,7 @@ def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
 
     def read(path: Path) -> T:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            return kind(**{name: file[name] if file[name].ndim else file[name].item() for name in file.files})
+            return build(**{name: file[name] if file[name].ndim else file[name].item() for name in file.files})
 
     if (kept := files.read_cached(path, read)) is not None:
         return kept
@@ -47,4 +47,4 @@ def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
 
     with suppress(OSError):
         files.write_whole(path, write)
-    return made
+    return build(**values)

@@ -175,10 +175,12 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
     content = [hashlib.sha256(path.read_bytes()).hexdigest(), _FORMAT, asdict(changes or Changes())]
     digest = hash_content({"network": content})
     stored = find_cache(cache) / f"{digest}.npz"
-    values: dict[str, Any] = {
-        key: tuple(value.tolist()) if np.asarray(value).dtype.kind == "U" else value
-        for key, value in keep_result(stored, dict[str, Any], lambda: run_epanet(path, changes)).items()
-    }
-    corners = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
-    flows = {key: values.pop(f"hydraulics.{key}") for key in Hydraulics.__dataclass_fields__}
-    return Network(path.stem, digest, vertices=tuple(corners), hydraulics=Hydraulics(**flows), **values)
+
+    def build(**found: Any) -> Network:
+        is_text = {key: np.asarray(value).dtype.kind == "U" for key, value in found.items()}
+        values: dict[str, Any] = {k: tuple(v.tolist()) if is_text[k] else v for k, v in found.items()}
+        corners = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
+        flows = {key: values.pop(f"hydraulics.{key}") for key in Hydraulics.__dataclass_fields__}
+        return Network(path.stem, digest, vertices=tuple(corners), hydraulics=Hydraulics(**flows), **values)
+
+    return keep_result(stored, build, lambda: run_epanet(path, changes))
