@@ -1,15 +1,20 @@
 """Kits of neutral bodies of the default study: they can be made, hold the core, and weigh what is simulated."""
 
+import re
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from manifold3d import Manifold
+from prints import job_of
 from scipy.optimize import brentq
 
 from driftform import load_study
 from driftform.agent import MassElement, mass_properties
+from driftform.interfaces import PrintJob
+from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts, settle_ballast
 from driftform_kit.cutting.accounting import kit_mass
@@ -22,10 +27,10 @@ SHARES = (None, 0.0, 0.97)
 
 
 @cache
-def draw_bodies(share):
-    """Return 20 random bodies that can be neutral."""
+def draw_bodies(share, count=20):
+    """Return random bodies that can be neutral."""
     rng, bodies = np.random.default_rng(57), []
-    while len(bodies) < 20:
+    while len(bodies) < count:
         morphology = PIPELINE.express(PIPELINE.grammar.random(rng))
         low, high = PIPELINE.builder.find_tunings(morphology) or (0.0, 0.0)
 
@@ -39,8 +44,8 @@ def draw_bodies(share):
     return tuple(bodies)
 
 
-def list_options(share):
-    return [(body, settle_ballast(body, PartOptions(kit=True))) for body in draw_bodies(share)]
+def list_options(share, count=20):
+    return [(body, settle_ballast(body, PartOptions(kit=True))) for body in draw_bodies(share, count)]
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -70,6 +75,20 @@ def test_parts_core_and_ball_have_their_places_and_do_not_overlap(share):
             solids.append(Manifold.sphere(500 * diameter, 96).translate((0, 0, 1e3 * x)))
         for index, one in enumerate(solids):
             assert all((one ^ other).volume() < 0.05 for other in solids[index + 1 :])
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("count", [1, pytest.param(10, marks=pytest.mark.slow)])
+def test_a_slicer_prints_the_mass_that_is_stated_to_a_hundredth(count, ask, tmp_path):
+    for body, options in list_options(None, count):
+        stated = sum(part.solid.volume for part in make_parts(body, options)) / 1000
+        plates = ThreeMfExporter(options).write(job_of(body), tmp_path / "agent.3mf")
+        paths = tuple(Path(file.path) for file in plates if file.path.endswith(".3mf"))
+        printed = re.search(
+            r"filament ([\d.]+) cm3", ask("prusa-slicer", PrintJob(paths))["prusa-slicer g-code"].detail
+        )[1]
+        print(f"{stated:.2f} cm3 stated, {printed} cm3 printed")
+        assert float(printed) == pytest.approx(stated, rel=0.01)
 
 
 def test_a_ball_goes_in_by_the_joint_of_the_core_and_rests_on_the_wall_of_its_pocket():
