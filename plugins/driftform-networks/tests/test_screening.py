@@ -106,11 +106,21 @@ def test_bodies_are_compared_by_where_they_fit_and_rest(done):
     assert found["use"] == "sphere-30mm-heavy-10mN"
     assert {one["node"] for one in found["catch"]} == {"fork", "narrow"}
     lines = done(*words)
-    assert (
-        "use sphere-30mm-heavy-10mN, the heaviest of the widest bodies that go as far as any: into 100.0 % of the 1.0 km"
-        in lines
-    )
+    use = "use sphere-30mm-heavy-10mN, of bodies that can be made the heaviest of the widest that go as far as any"
+    assert f"{use}: into 100.0 % of the 1.0 km" in lines
     assert "a hull withstands it with builder.pressure = 5.0e5" in lines
+
+
+def test_a_body_that_nobody_can_make_is_not_the_one_to_use(done, fork_file):
+    """In water this slow a neutral body alone goes on; one of 10 mm that weighs ten grams in the water is denser than lead."""
+    Path("slow.inp").write_text(
+        fork_file.read_text().replace("ahead 10 20", "ahead 10 0.2").replace("h 10 10", "h 10 0.1")
+    )
+    found = done("bodies", "slow.inp", "--release", "source", "--json")
+    reach = {one["body"]: one["reach"] for one in found["bodies"]}
+    assert reach["sphere-45mm"] == 1 and reach["sphere-45mm-heavy-1mN"] == 0
+    assert "sphere-10mm-heavy-10mN" in reach and "sphere-10mm-heavy-100mN" not in reach
+    assert "heavy" in found["use"]
 
 
 def test_the_hull_of_an_agent_is_compared_with_the_pressure(done, fork_file):

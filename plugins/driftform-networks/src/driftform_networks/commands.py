@@ -88,6 +88,7 @@ def bodies(given: Given, outputs: "Outputs") -> None:
 
     Without flights: a body on the wall moves where the drag of the water exceeds the friction there, hour by hour.
     """
+    from driftform_networks.flights.bodies import LEAD_DENSITY
     from driftform_networks.flights.travelling import Travel
     from driftform_networks.output.screened import present_bodies
     from driftform_networks.planning.candidates import collect_candidates
@@ -100,10 +101,11 @@ def bodies(given: Given, outputs: "Outputs") -> None:
     spheres = [f"sphere:{size:g}mm" for size in (given.port, *sizes)]
     travellers = collect_candidates(spheres, None, 0, weights, *environment)
     travellers += collect_candidates(agents, None, 0, given.sphere_buoyancies, *environment) if agents else []
+    possible = [one for one in travellers if one.agent.mass.mass <= LEAD_DENSITY * one.agent.mass.volume]
     [hour], how = _pick(given, [given.at])
     how |= {"travel": Travel.parse(network, "side", given.clearance)}
     how["within"] = given.day_within and parse_time("--within", given.day_within)
-    present_bodies(*screen_bodies(network, travellers, given.release, hour=hour, **how), outputs)
+    present_bodies(*screen_bodies(network, possible or travellers, given.release, hour=hour, **how), outputs)
 
 
 @declare("net", "agent", "release", "at", "buoyancy", *WATER, *CHANGES, *BODY, *SIGHT, *FILES)

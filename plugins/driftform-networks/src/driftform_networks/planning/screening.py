@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_networks.flights.bodies import Traveller
+from driftform_networks.flights.bodies import Traveller, buoyancy_error
 from driftform_networks.flights.threshold import moving_speed
 from driftform_networks.flights.travelling import SLOPES, Traveling
 from driftform_networks.hydraulics.network import STILL, BoolArray, Network
@@ -55,8 +55,8 @@ def screen_bodies(
         travellers: bodies to compare.
 
     Returns:
-        bodies, best, passage: all; the widest that goes as far as any, and the heaviest of these; and where this one goes if it
-            divides like the water.
+        bodies, best, passage: all; of those that can be made, the widest that goes as far as any, and the heaviest of these; and
+            where this one goes if it divides like the water.
 
     Raises InputError if there is no such node or hour, or no water leaves the node.
     """
@@ -68,8 +68,11 @@ def screen_bodies(
         asked = replace(asked, within=min(DAY_H, left))
     [case] = find_cases(network, [release], [hour], asked)
     bodies = [_screen(case, traveller) for traveller in travellers]
-    most = max(one.facts["reach"] for one in bodies)
-    far = [one for one in bodies if one.facts["reach"] >= FAR * most]
+    # Nobody makes a neutral body, so that its reach is nobody's.
+    doubts = [buoyancy_error(one.body.agent, one.body.scenario) for one in bodies]
+    made = [one for one, doubt in zip(bodies, doubts, strict=True) if abs(one.body.net_buoyancy) > doubt / 2] or bodies
+    most = max(one.facts["reach"] for one in made)
+    far = [one for one in made if one.facts["reach"] >= FAR * most]
     best = max(far, key=lambda one: (one.body.width, abs(one.facts["net_buoyancy"])))
     blocked, retained = set(np.flatnonzero(~best.goes).tolist()), best.body.width >= network.offtakes
     return bodies, best, case.follow(partial(route_tracers, retained=retained, blocked=blocked))
