@@ -349,7 +349,7 @@ def _read_vtk(path: Path) -> VelocityGrid:
         parts = (data.GetPointData(), cells)
         names = [part.GetArrayName(i) for part in parts for i in range(part.GetNumberOfArrays())]
         raise ValueError(
-            f"has no velocity: its points and cells have {', '.join(names) or 'no data'}, but not a vector named "
+            f"has no velocity: its points and cells have {', '.join(names) or 'no data'}, but not a vector of three numbers named "
             f"{', '.join(_NAMES['vectors'])}"
         )
     velocity = np.array(vtk_to_numpy(vectors), dtype=np.float64)
