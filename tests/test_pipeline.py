@@ -87,6 +87,10 @@ def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(p
         found.measures["net_weight"] == pytest.approx(weight)
         and found.measures["height"] == found.trajectory.position[-1, 2]
     )
+    x, _, z = found.trajectory.position.T
+    passed = int(np.argmax(x >= 4.5))
+    half_way = np.interp(4.5, x[passed - 1 : passed + 1], z[passed - 1 : passed + 1])
+    assert found.measures["height_0.5"] == pytest.approx(half_way, abs=1e-12)
     # A metre of filament holds 2.405 ml.
     hull = 1e3 * found.measures["print_mass"] / agent.body.hull_density
     assert found.measures["filament"] == pytest.approx(hull / 2.405e-3, rel=1e-3)

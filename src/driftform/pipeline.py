@@ -322,7 +322,9 @@ class Pipeline(ByContent):
                 return Evaluation(genome, fitness, trajectory)
             found = require_measures(self.fitness.find_measures(trajectory, self.scenario, agent), self.fitness)
             missed = {name: found.pop(name) for name, one in self.fitness.measures.items() if one.is_violation}
-            measures = measure_evaluation(agent, trajectory, self.scenario.fluid.density) | found
+            line = self.scenario.pipe.straight
+            ends = None if line is None else (line.start, line.end)
+            measures = measure_evaluation(agent, trajectory, self.scenario.fluid.density, ends) | found
             return Evaluation(genome, fitness, trajectory, measures=measures, violations=missed)
         except faults.CAUGHT as error:
             return Evaluation.failed(genome, targets, faults.describe_fault(error))

@@ -76,6 +76,7 @@ def test_a_run_says_what_is_wrong_or_nothing(seam, name, row, call, install):
     targets = ("--target", "TP1", "--target", "TP9")
     budget = ("--evaluations", 100, "--seed", 1, "--workers", 1)
     result = call("evolve", "paper", *targets, *budget, "--out", "run", *quick, *words)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
     said = result.stdout + result.stderr
     if seam in ("grammar", "strategy") and result.exit_code == 0:
         said += call("resume", "run", "--evaluations", 101, "--workers", 1).stderr
