@@ -90,16 +90,30 @@ def test_each_target_is_hit_within_few_flights(kind):
         assert (misses.min(axis=0) <= HIT).all()
 
 
+def make_riser(seed=0):
+    space = make_space(Cigars(Table()), seed)
+    targets = {name: tuple(stand_up(point).tolist()) for name, point in space.scenario.targets.items()}
+    [segment] = space.scenario.pipe.segments
+    riser = segment.model_copy(update={"end": tuple(stand_up(segment.end).tolist())})
+    pipe = space.scenario.pipe.model_copy(update={"segments": (riser,)})
+    return replace(space, scenario=space.scenario.model_copy(update={"pipe": pipe, "targets": targets}))
+
+
 def test_targets_in_a_riser_are_hit_where_weight_moves_bodies_sideways():
     for seed in range(3):
-        space = make_space(Cigars(Table()), seed)
-        targets = {name: tuple(stand_up(point).tolist()) for name, point in space.scenario.targets.items()}
-        [segment] = space.scenario.pipe.segments
-        riser = segment.model_copy(update={"end": tuple(stand_up(segment.end).tolist())})
-        pipe = space.scenario.pipe.model_copy(update={"segments": (riser,)})
-        scenario = space.scenario.model_copy(update={"pipe": pipe, "targets": targets})
-        misses = play(TunedStrategy(TunedOptions(), replace(space, scenario=scenario)), 40)
+        misses = play(TunedStrategy(TunedOptions(), make_riser(seed)), 40)
         assert (misses.min(axis=0) <= HIT).all()
+
+
+def test_in_a_riser_what_passes_near_is_judged_too_because_paths_jump_with_the_weight():
+    from driftform.motion.path import farthest_distances
+
+    for known, near in ((make_riser(), 0.5 * 0.2), (make_space(Cigars(Table())), HIT)):
+        within = known.scenario.robustness.model_copy(update={"within": 0.2})
+        space = replace(known, scenario=known.scenario.model_copy(update={"robustness": within}))
+        [candidate, *_] = TunedStrategy(TunedOptions(), space).ask(1)
+        at = space.targets.index(candidate.target)
+        assert candidate.threshold[at] == pytest.approx(100 * (1 - near / farthest_distances(space.scenario)[at]))
 
 
 @given(turn=st.floats(0, 2 * math.pi), rise=st.floats(-0.4, 1), miss=st.floats(-0.5, 0.5), response=st.floats(0.3, 3))

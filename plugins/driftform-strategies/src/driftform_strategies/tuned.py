@@ -22,6 +22,9 @@ Drawn = Callable[[], Shape | None]
 HIT = 0.001
 """m: a tuned body that passes its target this near has hit it."""
 
+NEAR = 0.5
+"""Share of the distance within which a flight hits, in which a body is judged where it cannot always be tuned to hit."""
+
 MAX_UNFIT = 10
 """Random shapes that are drawn at most to find one that can be heavy or light enough for a target."""
 
@@ -104,7 +107,7 @@ class TunedStrategy(Strategy[TunedOptions]):
     on its distance in the direction in which the tuning moves it, with 3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few
     disturbed conditions all of them, under many only the best. Where none hits, those that pass nearer than all before race
     too. The best body for a target, and the plain one, are tuned on there by steps of a quarter of their speed of sinking if
-    they touch the wall near the target: a lighter one, say, rides the ceiling in any gust. New shapes are those of the best
+    they touch the wall near the target, or the pipe is not straight: a lighter one, say, rides the ceiling in any gust. New shapes are those of the best
     bodies with one symbol changed, mixtures of two of them, shapes that are good for another target, and random ones. No body
     flies twice. The first body for each target is the plain one, if the builder makes one that can be tuned: it is not varied.
     """
@@ -142,6 +145,9 @@ class TunedStrategy(Strategy[TunedOptions]):
             )
         ]
         self._reach = path.farthest_distances(scenario) if space.targets else np.zeros(0)
+        # Behind a bend the path may jump with the net weight: what passes near cannot always be tuned to hit.
+        self._jumps = np.array([self._up is None and aim.outlet is None for aim in self._aims], dtype=bool)
+        self._near = np.where(self._jumps, np.maximum(HIT, NEAR * path.find_within(scenario)), HIT)
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
@@ -199,14 +205,21 @@ class TunedStrategy(Strategy[TunedOptions]):
             self._tune_on(job, root, score)
 
     def _may_ride(self, job: Job, evaluation: Evaluation) -> bool:
-        """Return whether the best body for a target, or the plain one, would touch the wall before it if it rose or sank a step faster."""
+        """Return whether the best body for a target, or the plain one, would touch the wall before it if it rose or sank a step faster.
+
+        Where its path may jump, it is tried in any case.
+        """
         from driftform.motion import path
 
         elites, flight = self._elites[job.target], evaluation.trajectory
         is_best = job.shape.is_plain or (bool(elites) and elites[0].shape is job.shape)
-        if not (self._is_surveyed and is_best) or flight is None or flight.contact is None:
+        if not (self._is_surveyed and is_best) or flight is None:
             return False
-        return bool(flight.contact <= STEP * path.approach_targets(flight, self.space.scenario)[1][job.target])
+        if self._jumps[job.target]:
+            return True
+        return flight.contact is not None and bool(
+            flight.contact <= STEP * path.approach_targets(flight, self.space.scenario)[1][job.target]
+        )
 
     def _tune_on(self, job: Job, root: float, score: float) -> None:
         """Take a further step in the same direction while that improves a body; try the other one if the first did not."""
@@ -355,7 +368,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         target = job.target
         if job.hit is None:
             missed = self._started[target] > self.options.first and self._aims[target].outlet is None
-            job.bar = max(HIT, self._nearest[target]) if missed else HIT
+            job.bar = max(self._near[target], self._nearest[target] if missed else 0.0)
         threshold = [inf] * len(self.space.targets)
         threshold[target] = 100 * (1 - job.bar / float(self._reach[target]))
         genome = replace(job.shape.genome, tuning=job.tuning)

@@ -1,7 +1,6 @@
 from .accelerations import acceleration_at as acceleration_at
 from .accelerations import accelerations_along as accelerations_along
 from .accelerations import net_wrench as net_wrench
-from .approach import Approach as Approach
 from .approach import closest_approach as closest_approach
 from .clearance import wall_clearances as wall_clearances
 from .curve import evaluate_path as evaluate_path
@@ -13,5 +12,6 @@ from .interpolation import resample as resample
 from .targets import approach_targets as approach_targets
 from .targets import farthest_distances as farthest_distances
 from .targets import find_offsets as find_offsets
+from .targets import find_within as find_within
 from .targets import name_outlet as name_outlet
 from .trajectory import finish_trajectory as finish_trajectory
