@@ -66,5 +66,6 @@ def test_only_a_calibrated_model_has_a_section_of_its_factors():
     assert driftform_calibration.driftform_report(ReportJob("run", Scenario(), {})) == {}
     calibration = {"cross_drag": (1.4, 1.3, 1.6), "tracks": 3}
     scenario = Scenario(calibration=calibration)
-    [(heading, picture)] = driftform_calibration.driftform_report(ReportJob("run", scenario, {})).items()
-    assert heading == "Calibration" and picture.startswith("<svg") and "Calibration by 3 filmed flights" in picture
+    [(heading, table)] = driftform_calibration.driftform_report(ReportJob("run", scenario, {})).items()
+    assert heading == "Calibration" and "By 3 filmed flights" in table
+    assert "<td>1.4</td><td>1.3 to 1.6</td>" in table

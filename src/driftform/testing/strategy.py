@@ -91,7 +91,8 @@ class StrategyContract(Contract):
                 turn += 1
             outcomes = []
             for candidate in batches.pop(0):
-                flown: dict[str, Any] = {"trajectory": _flight_of(candidate.genome), "seconds": clock.random()} | values
+                flight, seconds = _flight_of(candidate.genome), 100 * clock.random()
+                flown: dict[str, Any] = {"trajectory": flight, "seconds": seconds} | values
                 outcomes.append(Evaluation(candidate.genome, score(candidate), **flown))
             strategy.tell(told, outcomes)
             told += len(outcomes)
