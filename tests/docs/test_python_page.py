@@ -49,7 +49,7 @@ def test_the_example_of_the_page_of_calibration_fits_a_drag(docs, run_example, t
 @pytest.mark.peers
 def test_the_example_of_the_page_of_networks_shows_what_bodies_see(run_example, tmp_path_factory, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(shared_folder(tmp_path_factory, "networks")))
-    assert run_example("networks.md", "town.py")[0] == "water 0.297, sphere 0.297, five spheres 0.372\n"
+    assert run_example("networks.md", "town.py")[0] == "water 0.297, sphere 0.289, five spheres 0.350\n"
 
 
 def test_ten_lines_are_enough(blocks):
