@@ -17,6 +17,8 @@ from driftform.study import load_study
 
 ROOT = Path(__file__).parents[2]
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+SEALED = "addF-tiltp-2-L-moveF-addF-tiltp-1-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
+"""Wide enough for a bayonet with an O-ring."""
 
 
 def write_files(folder, page, blocks):
@@ -125,7 +127,9 @@ def outputs(tmp_path_factory):
         "pick": ["pick", run, "4.5", "0", "-0.3"],
         "sample": ["sample", "--count", "1", "--out", f"{here}/agents"],
         "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
-        "inspect": ["inspect", WORD, "--compare"],
+        "inspect": [
+            *("inspect", SEALED, "--compare", "--set", "builder.made_as=kit", "--set", "builder.kit.joint=bayonet")
+        ],
         "export": [
             *("export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"),
             *("--kit", "--option", "lap=0.007"),

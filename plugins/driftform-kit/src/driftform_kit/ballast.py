@@ -30,7 +30,11 @@ PUTTY = 1800.0
 NEGLIGIBLE = 1e-6
 """kg: ballast below a milligram is not needed."""
 
+MIN_FILLING = 1e-3
+"""m: a filling along the bore that is thinner than this cannot be laid evenly."""
+
 _STATIONS = 240
+_SLICES = 2000
 
 
 def required_ballast(simulated: MassProperties, printed: MassProperties) -> MassElement:
@@ -42,7 +46,7 @@ def required_ballast(simulated: MassProperties, printed: MassProperties) -> Mass
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a ring of putty on the wall if that is ``None``.
+    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore if that is ``None``.
 
     It lies between ``start`` and ``end`` (x, m). ``putty`` is how much of its mass is epoxy putty, kg; a ring on the wall is
     ``ring`` thick, m.
@@ -79,16 +83,50 @@ def place_one_ball(body: Body, wanted: MassElement, density: float) -> tuple[Pie
     return (piece,) if room[0] >= piece.element.x - piece.start else ()
 
 
-def place_by_hand(body: Body, wanted: MassElement) -> tuple[Piece, ...]:
-    """Return what needs no seat: a ring of putty on the wall, as near as possible to the wanted place; empty if none fits."""
+def place_filling(body: Body, wanted: MassElement, density: float, nearest: bool = False) -> tuple[Piece, ...]:
+    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if none fits.
+
+    It is at least :data:`MIN_FILLING` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
+    the wanted one.
+    """
+    # scipy.optimize takes half a second to import, and most prints need no filling.
+    from scipy.optimize import brentq
+
     if not _can_hold(body, wanted):
         return ()
-    places = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1].tolist()
-    rings = (
-        place_ring(body, MassElement(wanted.mass, x))
-        for x in sorted((wanted.x, *places), key=lambda x: abs(x - wanted.x))
-    )
-    return next((ring for ring in rings if ring), ())
+    bore, volume, x = _Bore(body), wanted.mass / density, wanted.x
+    free = float(bore.before[-1])
+    if volume > free:
+        return ()
+    latest = free - volume
+
+    def excess(first: float) -> float:
+        return bore.fill(first, volume, density).element.x - x
+
+    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
+    if nearest:
+        firsts = [0.0, latest]
+    elif excess(0.0) <= 0 <= excess(latest):
+        firsts = [float(brentq(excess, 0.0, latest, xtol=1e-12 * free, rtol=1e-12))]
+    else:
+        return ()
+    pieces = [bore.fill(first, volume, density) for first in firsts]
+    thick = [piece for piece in pieces if piece.end - piece.start >= MIN_FILLING]
+    return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
+
+
+def place_by_hand(body: Body, wanted: MassElement, density: float) -> tuple[Piece, ...]:
+    """Return ballast that can be fixed without a seat, of the wanted mass and as near as possible to the wanted place.
+
+    A little is a ring of putty on the wall, and more is a filling of the bore; empty if neither fits.
+    """
+    if found := place_ring(body, wanted) or place_filling(body, wanted, density):
+        return found
+    if not _can_hold(body, wanted):
+        return ()
+    places = sorted(_stations(body), key=lambda x: abs(x - wanted.x))
+    rings = (place_ring(body, MassElement(wanted.mass, float(x))) for x in places)
+    return next((ring for ring in rings if ring), place_filling(body, wanted, density, nearest=True))
 
 
 def place_ring(body: Body, wanted: MassElement) -> tuple[Piece, ...]:
@@ -129,7 +167,38 @@ def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(np.minimum(wall, np.maximum(aft - x, x - fore)), 0.0))
 
 
+def _stations(body: Body) -> FloatArray:
+    return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
+
+
 def make_ball(mass: float, x: float, density: float) -> Piece:
     """Return a ball of ballast of some mass (kg) at x (m), of a material of some density (kg/m3)."""
     diameter = ball_diameter(mass, density)
     return Piece(MassElement.of_ball(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
+
+
+class _Bore:
+    """The cavity around the core, as thin slices from aft to fore."""
+
+    def __init__(self, body: Body) -> None:
+        edges = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _SLICES + 1)
+        self.x = (edges[1:] + edges[:-1]) / 2
+        outer = np.interp(self.x, body.cavity[:, 0], body.cavity[:, 1])
+        inner = body.core.radius_at(self.x)
+        self.width = float(edges[1] - edges[0])
+        self.edges = edges
+        self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)
+        self.polar = np.pi / 2 * np.maximum(outer**4 - inner**4, 0.0)
+        self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
+
+    def fill(self, first: float, volume: float, density: float) -> Piece:
+        """Return the filling of ``volume`` (m3) that leaves the ``first`` m3 from aft empty."""
+        parts = np.diff(np.clip(self.before, first, first + volume))
+        share = parts / np.maximum(self.area * self.width, 1e-300)
+        mass = density * parts
+        whole = float(mass.sum())
+        x = float(mass @ self.x / whole)
+        axial = density * float((share * self.polar).sum()) * self.width
+        across = axial / 2 + float(mass @ (self.x - x) ** 2)
+        start, end = np.interp([first, first + volume], self.before, self.edges)
+        return Piece(MassElement(whole, x, axial, across), float(start), float(end))

@@ -185,7 +185,7 @@ class _Planner:
         if density <= water:
             raise InputError(f"--ballast-density {density:g}: must be more than that of the water, {water:g} kg/m3")
         if self.measure is None:
-            return _Plan(self.weight, required, ballast.place_by_hand(body, required))
+            return _Plan(self.weight, required, ballast.place_by_hand(body, required, density))
         kit = self.measure(None)
         for seat in kit.held:
             filled = ballast.make_ball(required.mass, seat["x"], density)
@@ -197,7 +197,9 @@ class _Planner:
             plan = self.settle(kit, self.measure)
         except WorkFailedError as error:
             unheld = str(error)
-        plan = plan or _Plan(self.weight, required, ballast.place_by_hand(self.agent.body, required), unheld=unheld)
+        plan = plan or _Plan(
+            self.weight, required, ballast.place_by_hand(self.agent.body, required, density), unheld=unheld
+        )
         # A seat that holds nothing is in the way of what is put in by hand.
         return replace(plan, misfits=kit.held, pieces=() if kit.held and not plan.held else plan.pieces)
 
